@@ -1,4 +1,5 @@
-//! Lists the files of `wgsl`, so that the program holds their text.
+//! Lists the files of `wgsl`, so that the program holds their text, and collects the structs that they share
+//! with Rust.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,8 @@ fn main() {
     let root = Path::new(&std::env::var_os("CARGO_MANIFEST_DIR").expect("a folder")).join("wgsl");
     let mut files = files_below(&root);
     files.sort();
+    let texts = files.iter().map(|file| std::fs::read_to_string(file).expect("a text"));
+    let structs: String = texts.map(|text| documented_structs(&text)).collect();
     let mut table = "const FILES: &[(&str, &str)] = &[\n".to_owned();
     for file in files {
         let name = name_of(file.strip_prefix(&root).expect("below the root"));
@@ -16,6 +19,29 @@ fn main() {
     table += "];\n";
     let out = PathBuf::from(std::env::var_os("OUT_DIR").expect("a folder"));
     std::fs::write(out.join("wgsl_files.rs"), table).expect("writing the table");
+    let structs = format!("uniforms! {{\n{structs}}}\n");
+    std::fs::write(out.join("uniforms.rs"), structs).expect("writing the structs");
+}
+
+/// The structs of a file that have documentation, by `///`, as the macro `uniforms!` takes them.
+fn documented_structs(text: &str) -> String {
+    let (mut structs, mut documentation, mut is_within) = (String::new(), String::new(), false);
+    for line in text.lines().map(|line| format!("{line}\n")) {
+        if is_within {
+            structs += &line;
+            is_within = line != "}\n";
+        } else if line.starts_with("///") {
+            documentation += &line;
+        } else {
+            if let Some(begun) = line.strip_prefix("struct ").filter(|_| !documentation.is_empty()) {
+                structs += &documentation;
+                structs += begun;
+                is_within = true;
+            }
+            documentation.clear();
+        }
+    }
+    structs
 }
 
 fn files_below(folder: &Path) -> Vec<PathBuf> {

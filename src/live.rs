@@ -34,7 +34,7 @@ pub struct Wanted {
     /// Rows and columns.
     pub size: [usize; 2],
     /// What computes images of each frame's g-buffer, on the screen alone.
-    pub methods: Vec<Box<dyn ScreenMethod>>,
+    pub methods: Vec<ScreenMethod>,
     /// And a trained network.
     pub learned: Option<Learned>,
     /// What the g-buffer holds beside what the methods read.
@@ -68,7 +68,7 @@ struct Shading {
 /// How a method runs.
 enum Running {
     /// In passes that are recorded with the frame.
-    Passes(Box<dyn ScreenMethod>, Box<Plan>),
+    Passes(ScreenMethod, Box<Plan>),
     /// A network: recorded with the frame, or, where it cannot be, by itself once the frame's g-buffer has
     /// been read back.
     Network(Box<Learned>, Option<Box<Recorded>>),
@@ -88,7 +88,7 @@ impl Live {
         let mut attributes: Vec<Attribute> = read.chain(network).chain(wanted.attributes).collect();
         attributes.sort_unstable();
         attributes.dedup();
-        let asks_for_light = wanted.methods.iter().any(|method| method.looks_beyond())
+        let asks_for_light = wanted.methods.iter().any(|method| method.about().looks_beyond)
             || attributes.iter().any(|of| matches!(of, Attribute::Light | Attribute::DiffuseLight));
         let shadow_size = asks_for_light.then_some(SHADOW_SIZE);
         let settings = Settings { height, width, attributes, shadow_size };

@@ -1,20 +1,12 @@
-//! The list of all methods: those of `render`, and `learned`.
+//! The methods that can be asked for by name: [those of `render`](methods::all), and `learned`.
 
 use crate::learned::Learned;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_render::methods::bounced_z::BouncedZ;
-use deepshade_render::methods::dials::{self, Dial, Tunable, Tuning};
-use deepshade_render::methods::shafts::{Integration, Shafts};
-use deepshade_render::methods::subsurface::FromScreen;
-use deepshade_render::methods::surfel::Surfel;
-use deepshade_render::methods::{
-    Quality, aov, bounced_z, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar,
-    gtao, hbao, lpv, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth,
-    separable, ssdo, ssgi, surfel, volume_shell,
-};
-use deepshade_render::screen::{Compiled, ScreenMethod, Technique, shade_in_passes};
+use deepshade_render::methods::dials::{Dial, Tuning};
+use deepshade_render::methods::{self, Entry, Opened, Quality, screen_truth};
+use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::names::did_you_mean;
@@ -54,154 +46,63 @@ pub struct Setup<'a> {
     pub tuning: &'a Tuning,
 }
 
-/// A method that can be asked for by name.
-struct Entry {
-    name: &'static str,
-    effect: Effect,
-    kind: Kind,
-}
-
-/// How a method is opened.
-enum Kind {
-    /// A trained network.
-    Learned,
-    /// One that shades the screen in passes, which are compiled for a device.
-    Screen(fn(&Gpu, &Tuning) -> Result<Box<dyn ScreenMethod>>, Dials),
-    /// One that runs on the processor.
-    Processor(fn(&Tuning) -> Result<Box<dyn Method>>, Dials),
-}
-
 /// A method that runs in its passes, be the adapter software.
-struct InPasses(Box<dyn ScreenMethod>);
-
-/// What can be set of a method, in a quality.
-type Dials = fn(Quality) -> Vec<Dial>;
-
-impl Entry {
-    fn open(&self, setup: Setup<'_>) -> Result<Box<dyn Method>> {
-        let method: Box<dyn Method> = match self.kind {
-            Kind::Learned => Box::new(opened_network(setup)?),
-            Kind::Screen(open, _) => match setup.runs {
-                Runs::Fastest => Box::new(open(setup.gpu, setup.tuning)?),
-                Runs::OnAdapter => Box::new(InPasses(open(setup.gpu, setup.tuning)?)),
-            },
-            Kind::Processor(open, _) => open(setup.tuning)?,
-        };
-        let (made, wanted) = (method.effect(), self.effect);
-        ensure!(made == wanted, "it computes `{made}`, not `{wanted}`");
-        Ok(method)
-    }
-}
-
-/// Every method; a new one is a line here.
-const ALL: [Entry; 50] = [
-    learned(Effect::Ao),
-    learned(Effect::Do),
-    learned(Effect::Gi),
-    learned(Effect::Ibl),
-    learned(Effect::Sss),
-    learned(Effect::Dof),
-    learned(Effect::MotionBlur),
-    learned(Effect::Aa),
-    learned(Effect::Multi),
-    learned(Effect::Real),
-    screen::<gtao::Parameters, gtao::Parameters>(),
-    screen::<hbao::Parameters, hbao::Parameters>(),
-    screen::<surfel::Parameters, Surfel<surfel::occlusion::Occlusion>>(),
-    screen::<bounced_z::Parameters, BouncedZ<bounced_z::occlusion::Occlusion>>(),
-    screen::<aov::Volumes, aov::Volumes>(),
-    screen::<aov::bounced::Parameters, aov::bounced::Parameters>(),
-    screen::<ssdo::Parameters, ssdo::Parameters>(),
-    screen::<surfel::Parameters, Surfel<surfel::directional::Directional>>(),
-    screen::<ssgi::Parameters, ssgi::Parameters>(),
-    screen::<surfel::Parameters, Surfel<surfel::indirect::Indirect>>(),
-    screen::<bounced_z::Parameters, BouncedZ<bounced_z::indirect::Indirect>>(),
-    screen::<lpv::Parameters, lpv::Parameters>(),
-    screen::<lpv::Parameters, lpv::in_medium::Multiple>(),
-    screen::<surfel::Parameters, Surfel<surfel::glossy::Glossy>>(),
-    screen::<bounced_z::Parameters, BouncedZ<bounced_z::glossy::Glossy>>(),
-    screen::<volume_shell::Parameters, volume_shell::Parameters>(),
-    screen::<lpv::Parameters, lpv::in_medium::Indirect>(),
-    screen::<prefiltered::Parameters, prefiltered::Parameters>(),
-    screen::<separable::Parameters, separable::Parameters>(),
-    screen::<gather::Parameters, gather::Parameters>(),
-    screen::<separable::Parameters, FromScreen<separable::Parameters>>(),
-    screen::<gather::Parameters, FromScreen<gather::Parameters>>(),
-    screen::<surfel::Parameters, Surfel<surfel::scattering::Scattering>>(),
-    screen::<ring_gather::Parameters, ring_gather::Parameters>(),
-    screen::<reconstruction::Parameters, reconstruction::Parameters>(),
-    screen::<fxaa::Parameters, fxaa::Parameters>(),
-    screen::<volume_shell::Parameters, volume_shell::direct::Direct>(),
-    screen::<gpu_epipolar::Parameters, gpu_epipolar::Parameters>(),
-    screen::<fog_march::Parameters, fog_march::Parameters>(),
-    screen::<froxel::Parameters, froxel::Parameters>(),
-    screen::<phosphor::Parameters, phosphor::Parameters>(),
-    screen::<phosphor::glassner::Parameters, phosphor::glassner::Parameters>(),
-    screen::<surfel::Parameters, Surfel<surfel::indirect::KeptLight>>(),
-    screen::<bounced_z::Parameters, BouncedZ<bounced_z::indirect::KeptLight>>(),
-    screen::<lpv::Parameters, lpv::KeptLight>(),
-    processor::<screen_truth::Parameters, screen_truth::Parameters>(STUDY, Effect::Ao),
-    shafts::<epipolar::Parameters>(),
-    shafts::<min_max::Parameters>(),
-    shafts::<epipolar_sampling::Parameters>(),
-    shafts::<ray_march::Parameters>(),
-];
-
-/// A trained network for an effect.
-const fn learned(effect: Effect) -> Entry {
-    Entry { name: LEARNED, effect, kind: Kind::Learned }
-}
-
-/// A method that shades the screen in passes, by the parameters that can be set.
-const fn screen<P: Tunable, T: Technique + From<P> + 'static>() -> Entry {
-    Entry { name: T::NAME, effect: T::EFFECT, kind: Kind::Screen(compiled::<P, T>, dials::dials::<P>) }
-}
-
-/// A method that runs on the processor, by the parameters that can be set.
-const fn processor<P: Tunable, M: Method + From<P> + 'static>(name: &'static str, effect: Effect) -> Entry {
-    Entry { name, effect, kind: Kind::Processor(on_processor::<P, M>, dials::dials::<P>) }
-}
-
-/// A way to integrate scattered light as such a method.
-const fn shafts<P: Tunable + Integration + 'static>() -> Entry {
-    processor::<P, Shafts<P>>(P::NAME, Effect::FogDirect)
-}
-
-fn compiled<P: Tunable, T: Technique + From<P> + 'static>(
-    gpu: &Gpu,
-    tuning: &Tuning,
-) -> Result<Box<dyn ScreenMethod>> {
-    Ok(Box::new(Compiled::<T>::new(gpu, tuning.parameters::<P>()?.into())?))
-}
-
-fn on_processor<P: Tunable, M: Method + From<P> + 'static>(tuning: &Tuning) -> Result<Box<dyn Method>> {
-    Ok(Box::new(M::from(tuning.parameters::<P>()?)))
-}
-
-fn opened_network(setup: Setup<'_>) -> Result<Learned> {
-    let model = setup.model.context("no model is given")?;
-    Ok(match setup.runs {
-        Runs::Fastest => Learned::new(setup.gpu, model)?,
-        Runs::OnAdapter => Learned::on_adapter(setup.gpu, model)?,
-    })
-}
+struct InPasses(ScreenMethod);
 
 impl Method for InPasses {
     fn name(&self) -> &'static str {
-        ScreenMethod::name(self.0.as_ref())
+        self.0.name()
     }
 
     fn effect(&self) -> Effect {
-        ScreenMethod::effect(self.0.as_ref())
+        self.0.effect()
     }
 
     fn wants_even_fog(&self) -> bool {
-        ScreenMethod::wants_even_fog(self.0.as_ref())
+        self.0.wants_even_fog()
     }
 
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        shade_in_passes(self.0.as_ref(), frame, repeats)
+        self.0.shade_in_passes(frame, repeats)
     }
+}
+
+/// Effects that trained networks compute.
+const OF_NETWORKS: [Effect; 10] = [
+    Effect::Ao,
+    Effect::Do,
+    Effect::Gi,
+    Effect::Ibl,
+    Effect::Sss,
+    Effect::Dof,
+    Effect::MotionBlur,
+    Effect::Aa,
+    Effect::Multi,
+    Effect::Real,
+];
+
+/// An effect's analytic methods.
+fn of_effect(effect: Effect) -> impl Iterator<Item = &'static Entry> {
+    methods::all().iter().filter(move |entry| entry.effect == effect)
+}
+
+fn opened(entry: &Entry, setup: Setup<'_>) -> Result<Box<dyn Method>> {
+    Ok(match (entry.open(setup.gpu, setup.tuning)?, setup.runs) {
+        (Opened::Screen(method), Runs::Fastest) => Box::new(method),
+        (Opened::Screen(method), Runs::OnAdapter) => Box::new(InPasses(method)),
+        (Opened::Processor(method), _) => method,
+    })
+}
+
+/// The network of `learned`, if it computes this effect.
+fn opened_network(effect: Effect, setup: Setup<'_>) -> Result<Box<dyn Method>> {
+    let model = setup.model.context("no model is given")?;
+    let method = match setup.runs {
+        Runs::Fastest => Learned::new(setup.gpu, model)?,
+        Runs::OnAdapter => Learned::on_adapter(setup.gpu, model)?,
+    };
+    ensure!(method.effect() == effect, "it computes `{}`, not `{effect}`", method.effect());
+    Ok(Box::new(method))
 }
 
 /// What can be set of an effect's method, in a quality; nothing of trained networks.
@@ -210,48 +111,40 @@ impl Method for InPasses {
 /// If the effect has no method of that name; those that it has are listed.
 pub fn dials(effect: Effect, name: &str, quality: Quality) -> Result<Vec<Dial>> {
     check(effect, &[name])?;
-    let entry = ALL.iter().find(|entry| entry.effect == effect && entry.name == name);
-    Ok(entry.map_or_else(Vec::new, |entry| match entry.kind {
-        Kind::Learned => Vec::new(),
-        Kind::Screen(_, dials) | Kind::Processor(_, dials) => dials(quality),
-    }))
+    let entry = of_effect(effect).find(|entry| entry.name == name);
+    Ok(entry.map_or_else(Vec::new, |entry| entry.dials(quality)))
 }
 
 /// Opens a method that shades the screen in passes.
 ///
 /// # Errors
 /// If the effect has none of that name; those that it has are listed. If something is set that the method does not have.
-pub fn open_screen(
-    effect: Effect,
-    name: &str,
-    gpu: &Gpu,
-    tuning: impl Into<Tuning>,
-) -> Result<Box<dyn ScreenMethod>> {
-    let found = ALL.iter().find_map(|entry| match entry.kind {
-        Kind::Screen(open, _) if entry.effect == effect && entry.name == name => Some(open),
-        _ => None,
-    });
-    let open = found.with_context(|| {
-        let known = screen_names(effect);
-        let meant = did_you_mean(name, known.iter().copied());
-        format!(
-            "effect `{effect}` has no method `{name}`{meant} that shades the screen in passes; there are: {}",
-            known.join(", ")
-        )
-    })?;
-    open(gpu, &tuning.into()).with_context(|| format!("method `{name}`"))
+pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, tuning: impl Into<Tuning>) -> Result<ScreenMethod> {
+    let opened = of_effect(effect)
+        .find(|entry| entry.name == name)
+        .map(|entry| entry.open(gpu, &tuning.into()).with_context(|| format!("method `{name}`")))
+        .transpose()?;
+    match opened {
+        Some(Opened::Screen(method)) => Ok(method),
+        _ => {
+            let known = screen_names(effect);
+            let meant = did_you_mean(name, known.iter().copied());
+            let known = known.join(", ");
+            bail!(
+                "effect `{effect}` has no method `{name}`{meant} that shades the screen in passes; there are: {known}"
+            )
+        }
+    }
 }
 
 /// Names of an effect's methods that shade the screen in passes.
 pub fn screen_names(effect: Effect) -> Vec<&'static str> {
-    let entries = ALL.iter().filter(|entry| entry.effect == effect && matches!(entry.kind, Kind::Screen(..)));
-    entries.map(|entry| entry.name).collect()
+    of_effect(effect).filter(|entry| entry.is_on_screen).map(|entry| entry.name).collect()
 }
 
 /// Names of an effect's methods that have qualities: all but trained networks.
 pub fn names_with_qualities(effect: Effect) -> Vec<&'static str> {
-    let entries = ALL.iter().filter(|entry| entry.effect == effect && !matches!(entry.kind, Kind::Learned));
-    entries.map(|entry| entry.name).collect()
+    of_effect(effect).map(|entry| entry.name).collect()
 }
 
 /// Opens an effect's methods by name, in the order asked for; [`TRUTH`] is passed over.
@@ -261,12 +154,12 @@ pub fn names_with_qualities(effect: Effect) -> Vec<&'static str> {
 /// `learned` may; all are named.
 pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
     check(effect, names)?;
-    let asked = |entry: &&Entry, name: &str| entry.effect == effect && entry.name == name;
-    names
-        .iter()
-        .filter_map(|name| ALL.iter().find(|entry| asked(entry, name)))
-        .map(|entry| entry.open(setup).with_context(|| format!("method `{}`", entry.name)))
-        .collect()
+    let open = |name: &str| match of_effect(effect).find(|entry| entry.name == name) {
+        Some(entry) => opened(entry, setup),
+        None => opened_network(effect, setup),
+    };
+    let asked = names.iter().filter(|name| **name != TRUTH);
+    asked.map(|name| open(name).with_context(|| format!("method `{name}`"))).collect()
 }
 
 /// Methods that go through a medium that is a grid: the others are left out and said, or refused where they are asked for by
@@ -313,7 +206,8 @@ pub fn unknown(effect: Effect, name: &str) -> String {
 
 /// Names of an effect's methods, and of truth.
 pub fn names_of(effect: Effect) -> Vec<&'static str> {
-    ALL.iter().filter(|entry| entry.effect == effect).map(|entry| entry.name).chain([TRUTH]).collect()
+    let learned = OF_NETWORKS.contains(&effect).then_some(LEARNED);
+    learned.into_iter().chain(names_with_qualities(effect)).chain([TRUTH]).collect()
 }
 
 #[cfg(test)]
@@ -416,7 +310,7 @@ mod tests {
 
     #[test]
     fn every_number_of_every_method_can_be_set_and_its_quality_is_within_range() {
-        for entry in ALL.iter().filter(|entry| entry.name != LEARNED) {
+        for entry in methods::all() {
             for quality in Quality::ALL {
                 let what = format!("{} of {} at {}", entry.name, entry.effect, quality.name());
                 let dials = dials(entry.effect, entry.name, quality).expect("a method");

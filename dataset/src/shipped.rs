@@ -5,9 +5,10 @@ use crate::recipe::{Recipe, Resolution};
 use crate::target::QUALITY;
 use crate::testset::TestSet;
 use crate::{Dataset, StagedScene, TargetMethod, contact_sheet, test_sheet, verify};
-use deepshade_render::methods::ssgi::{self, Ssgi};
-use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
+use deepshade_render::methods::disks::Disks;
+use deepshade_render::methods::{ssgi, surfel};
 use deepshade_render::scene::procedural::Split;
+use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -99,17 +100,19 @@ fn made(recipe: &Recipe, folder: &Path, make: impl Fn(&Path) + Sync) -> PathBuf 
 
 /// The methods that shipped recipes aim at.
 struct Targets {
-    ssgi: Ssgi,
-    surfel: SurfelOcclusion,
+    ssgi: ScreenMethod,
+    surfel: ScreenMethod,
 }
 
 impl Targets {
     fn new() -> Self {
         let gpu = Gpu::new().expect("an adapter; lavapipe will do");
         Self {
-            ssgi: Ssgi::new(&gpu, ssgi::Parameters::of(QUALITY)).expect("valid shaders"),
-            surfel: SurfelOcclusion::new(&gpu, surfel::Parameters::of(QUALITY).into())
-                .expect("valid shaders"),
+            ssgi: ScreenMethod::new(&gpu, ssgi::Parameters::of(QUALITY)),
+            surfel: ScreenMethod::new(
+                &gpu,
+                Disks::new(surfel::Parameters::of(QUALITY), surfel::occlusion::OCCLUSION),
+            ),
         }
     }
 

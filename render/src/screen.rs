@@ -1,31 +1,37 @@
-//! Methods that shade the screen in passes on the GPU: they compute an effect from what the camera sees, some also from
-//! the scene behind it, and each has a plain version on the CPU that it is checked against.
+//! Methods that shade the screen in passes on the GPU: they compute an effect from what the camera sees, some
+//! also from the scene behind it, and each has a plain version on the CPU that it is checked against.
 //!
-//! A [`ScreenMethod`] says which attributes it reads and which passes it has. A [`Plan`] is those passes bound to a
-//! g-buffer on the GPU, whoever made that: the frame loop, which renders it there, or [`Method::shade`], which sends one
-//! over. A plan is made once for a size of image; from frame to frame only its uniforms change.
+//! A [`Technique`] says which attributes it reads and which passes it has; on a device it is a
+//! [`ScreenMethod`]. A [`Plan`] is those passes bound to a g-buffer on the GPU, whoever made that: the frame
+//! loop, which renders it there, or [`Method::shade`], which sends one over. A plan is made once for a size
+//! of image; from frame to frame only its uniforms change.
 
-mod compiled;
+mod device;
 mod gbuffer;
 mod plan;
 mod processor;
 pub mod reprojection;
+mod technique;
 pub mod upsampling;
 
-pub use compiled::{Compiled, Technique};
+pub use device::Device;
 pub use gbuffer::GpuGBuffer;
 pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
+pub use technique::{About, Resources, Technique};
 
 use crate::bvh::TracedScene;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use crate::raster::World;
+use crate::raster::view::perspective;
 use crate::scene::glow::Start;
 use crate::scene::{Camera, Environment, Glow, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
+use deepshade_shaders::wgsl::uniforms::FrameView;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// From where an image is seen, and what else a method's passes are told about it.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +53,11 @@ impl View {
     pub fn focal_length(&self) -> f32 {
         self.camera.focal_length(self.height)
     }
+
+    /// Its camera as passes over a scene read it.
+    pub(crate) fn perspective(&self) -> FrameView {
+        perspective(&self.camera, self.height, self.width, f32::MIN_POSITIVE)
+    }
 }
 
 impl From<&Frame<'_>> for View {
@@ -63,7 +74,7 @@ pub struct Inputs<'a> {
     pub gbuffer: &'a GpuGBuffer,
     /// What shines from infinitely far away.
     pub environment: Option<&'a Environment>,
-    /// The scene, for methods that [look beyond](ScreenMethod::looks_beyond) the screen.
+    /// The scene, for methods that [look beyond](About::looks_beyond) the screen.
     pub world: Option<&'a World>,
 }
 
@@ -78,132 +89,141 @@ pub struct PlainInputs<'a> {
     pub scene: Option<&'a TracedScene>,
 }
 
+impl<'a> PlainInputs<'a> {
+    /// The image that a plain version makes of the scene, as [`Technique::reference`] returns it.
+    pub(crate) fn image_of_scene<E>(
+        &self,
+        image: impl FnOnce(&'a TracedScene) -> Result<Planes, E>,
+    ) -> Result<Written, E> {
+        let shaded = self.scene.map(|scene| image(scene).map(|image| image.data().to_vec()));
+        shaded.into_iter().collect()
+    }
+}
+
 /// The contents of buffers, one after the other.
 pub type Written = Vec<Vec<f32>>;
 
-/// A way to compute an effect in passes on the GPU.
-pub trait ScreenMethod: Send + Sync {
-    /// Its name on the command line; figures write hyphens as underscores.
-    fn name(&self) -> &'static str;
-
-    /// What it computes.
-    fn effect(&self) -> Effect;
-
-    /// What it reads of a g-buffer; [`Attribute::Valid`] is among it.
-    fn attributes(&self) -> &'static [Attribute];
-
-    /// Whether it also reads the scene itself: what the camera does not see.
-    fn looks_beyond(&self) -> bool;
-
-    /// As [`Method::wants_even_fog`].
-    fn wants_even_fog(&self) -> bool;
-
-    /// Where its passes were compiled for.
-    fn gpu(&self) -> &Gpu;
-
-    /// The contents of its uniform buffers for a view, always as many and as long.
-    fn uniforms(&self, view: &View) -> Vec<Vec<u8>>;
-
-    /// Its passes in order. The last ones write `output`, `[effect.channels(), height, width]`, with
-    /// [`Effect::background`] where no surface is seen.
-    ///
-    /// # Errors
-    /// If the device has no room for what lies between the passes, or refuses a binding.
-    fn steps(
-        &self,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError>;
-
-    /// What its passes write, in the order of [`MethodStep::writes`], computed slowly and plainly on the CPU. The last of it
-    /// is the image.
-    ///
-    /// # Errors
-    /// If the g-buffer lacks an attribute.
-    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute>;
-
-    /// What its passes write, as [`ScreenMethod::reference`] has it, by vector instructions of the processor,
-    /// of methods that have such a version. [`Method::shade`] takes it where the device is the processor
-    /// anyway.
-    ///
-    /// # Errors
-    /// If the g-buffer lacks an attribute.
-    fn on_processor(
-        &self,
-        inputs: &PlainInputs<'_>,
-        view: &View,
-    ) -> Option<Result<Written, MissingAttribute>>;
+/// A method that shades the screen, on a device. Clones share their compiled passes.
+#[derive(Clone, Debug)]
+pub struct ScreenMethod {
+    gpu: Gpu,
+    device: Device,
+    technique: Arc<dyn Technique>,
 }
 
-impl<M: ScreenMethod + ?Sized> Method for M {
+impl ScreenMethod {
+    /// A technique on a device; its passes are compiled where they are first bound.
+    pub fn new(gpu: &Gpu, technique: impl Technique + 'static) -> Self {
+        Self { gpu: gpu.clone(), device: Device::new(&gpu.device), technique: Arc::new(technique) }
+    }
+
+    /// Another technique with the same passes, such as other parameters; what was compiled stays.
+    #[must_use]
+    pub fn with(&self, technique: impl Technique + 'static) -> Self {
+        Self { technique: Arc::new(technique), ..self.clone() }
+    }
+
+    /// What is known of it.
+    pub fn about(&self) -> About {
+        self.technique.about()
+    }
+
+    /// Its name on the command line.
+    pub fn name(&self) -> &'static str {
+        self.about().name
+    }
+
+    /// What it computes.
+    pub fn effect(&self) -> Effect {
+        self.about().effect
+    }
+
+    /// What it reads of a g-buffer.
+    pub fn attributes(&self) -> &'static [Attribute] {
+        self.about().attributes
+    }
+
+    /// Where its passes run.
+    pub const fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// As [`Technique::reference`].
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    pub fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        self.technique.reference(inputs, view)
+    }
+
+    /// As [`Method::shade`], in passes whatever the adapter is, so that times of several methods are of one
+    /// device.
+    ///
+    /// # Errors
+    /// If the frame lacks something or the GPU fails.
+    pub fn shade_in_passes(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
+        let About { name: method, effect, attributes, looks_beyond, .. } = self.about();
+        let failed = |source: GpuError| MethodError::Gpu { method, source };
+        let Gpu { device, queue, .. } = &self.gpu;
+        let view = View::from(frame);
+        let gbuffer = GpuGBuffer::upload(device, &self.seen(frame), attributes)
+            .map_err(|error| error.of_method(method))?;
+        let world = looks_beyond.then(|| remembered(&self.gpu, frame.scene, &view));
+        let world = world.transpose().map_err(failed)?;
+        let environment = frame.scene.scene().environment.as_deref();
+        let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
+        let plan = Plan::new(self, &inputs, &view).map_err(failed)?;
+        let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
+            plan.encode(encoder);
+        })
+        .map_err(failed)?;
+        let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
+        let image = Planes::from_data(effect.channels(), view.height, view.width, image);
+        let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
+        let device = self.gpu.info.name.clone();
+        Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
+    }
+
+    /// What it reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what
+    /// the g-buffer does not hold is rendered for it.
+    fn seen<'a>(&self, frame: &Frame<'a>) -> Cow<'a, GBuffer> {
+        let (gbuffer, About { attributes, looks_beyond, .. }) = (frame.gbuffer, self.about());
+        if !looks_beyond || attributes.iter().all(|attribute| gbuffer.attributes().contains(attribute)) {
+            return Cow::Borrowed(gbuffer);
+        }
+        let (height, width) = (gbuffer.height(), gbuffer.width());
+        Cow::Owned(crate::gbuffer::render(frame.scene, frame.camera, height, width, attributes))
+    }
+}
+
+impl Method for ScreenMethod {
     fn name(&self) -> &'static str {
-        ScreenMethod::name(self)
+        self.about().name
     }
 
     fn effect(&self) -> Effect {
-        ScreenMethod::effect(self)
+        self.about().effect
     }
 
     fn wants_even_fog(&self) -> bool {
-        ScreenMethod::wants_even_fog(self)
+        self.about().wants_even_fog
     }
 
     /// The time is that of the passes on the GPU, without sending the g-buffer there and the image back, or
-    /// that of the [version for the processor](ScreenMethod::on_processor) where that is taken.
+    /// that of the [version for the processor](Technique::on_processor) where that is taken.
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        if self.gpu().is_software() {
+        if self.gpu.is_software() {
             let environment = frame.scene.scene().environment.as_deref();
-            let inputs = PlainInputs { gbuffer: &seen(self, frame), environment, scene: Some(frame.scene) };
-            if let Some(shaded) = processor::shade(self, &inputs, &View::from(frame), repeats) {
-                let method = ScreenMethod::name(self);
+            let inputs = PlainInputs { gbuffer: &self.seen(frame), environment, scene: Some(frame.scene) };
+            if let Some(shaded) =
+                processor::shade(self.technique.as_ref(), &inputs, &View::from(frame), repeats)
+            {
+                let method = self.name();
                 return shaded.map_err(|source| MethodError::Missing { method, source });
             }
         }
-        shade_in_passes(self, frame, repeats)
+        self.shade_in_passes(frame, repeats)
     }
-}
-
-/// As [`Method::shade`], in passes whatever the adapter is, so that times of several methods are of one
-/// device.
-///
-/// # Errors
-/// If the frame lacks something or the GPU fails.
-pub fn shade_in_passes<M: ScreenMethod + ?Sized>(
-    shading: &M,
-    frame: &Frame<'_>,
-    repeats: Repeats,
-) -> Result<Shaded, MethodError> {
-    let method = ScreenMethod::name(shading);
-    let failed = |source: GpuError| MethodError::Gpu { method, source };
-    let Gpu { device, queue, .. } = shading.gpu();
-    let view = View::from(frame);
-    let gbuffer = GpuGBuffer::upload(device, &seen(shading, frame), shading.attributes())
-        .map_err(|error| error.of_method(method))?;
-    let world = shading.looks_beyond().then(|| remembered(shading.gpu(), frame.scene, &view));
-    let world = world.transpose().map_err(failed)?;
-    let environment = frame.scene.scene().environment.as_deref();
-    let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
-    let plan = Plan::new(shading, &inputs, &view).map_err(failed)?;
-    let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
-        plan.encode(encoder);
-    })
-    .map_err(failed)?;
-    let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
-    let image = Planes::from_data(ScreenMethod::effect(shading).channels(), view.height, view.width, image);
-    let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
-    let device = shading.gpu().info.name.clone();
-    Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
-}
-
-/// What a method reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what the g-buffer does not
-/// hold is rendered for it.
-fn seen<'a, M: ScreenMethod + ?Sized>(method: &M, frame: &Frame<'a>) -> Cow<'a, GBuffer> {
-    let (gbuffer, wanted) = (frame.gbuffer, method.attributes());
-    if !method.looks_beyond() || wanted.iter().all(|attribute| gbuffer.attributes().contains(attribute)) {
-        return Cow::Borrowed(gbuffer);
-    }
-    Cow::Owned(crate::gbuffer::render(frame.scene, frame.camera, gbuffer.height(), gbuffer.width(), wanted))
 }
 
 /// Edge of shadow maps of stills, texels.
@@ -248,55 +268,4 @@ fn remembered(gpu: &Gpu, traced: &TracedScene, view: &View) -> Result<World, Gpu
         past.push(([moment - to, since], then));
     }
     Ok(now.with_past(past))
-}
-
-impl<M: ScreenMethod + ?Sized> ScreenMethod for Box<M> {
-    fn name(&self) -> &'static str {
-        (**self).name()
-    }
-
-    fn effect(&self) -> Effect {
-        (**self).effect()
-    }
-
-    fn attributes(&self) -> &'static [Attribute] {
-        (**self).attributes()
-    }
-
-    fn looks_beyond(&self) -> bool {
-        (**self).looks_beyond()
-    }
-
-    fn wants_even_fog(&self) -> bool {
-        (**self).wants_even_fog()
-    }
-
-    fn gpu(&self) -> &Gpu {
-        (**self).gpu()
-    }
-
-    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        (**self).uniforms(view)
-    }
-
-    fn steps(
-        &self,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        (**self).steps(inputs, uniforms, output)
-    }
-
-    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        (**self).reference(inputs, view)
-    }
-
-    fn on_processor(
-        &self,
-        inputs: &PlainInputs<'_>,
-        view: &View,
-    ) -> Option<Result<Written, MissingAttribute>> {
-        (**self).on_processor(inputs, view)
-    }
 }

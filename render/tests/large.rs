@@ -1,7 +1,7 @@
 //! A program of its own, since it watches its memory: scenes with millions of triangles have images, or are refused in words.
 #![cfg(target_os = "linux")]
 
-use deepshade_render::methods::surfel::occlusion::SurfelOcclusion;
+use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::{Quality, aov, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::scene::{Camera, Material, Mesh, Scene};
@@ -57,7 +57,7 @@ fn floor() -> GBuffer {
 }
 
 /// What of the floor is open, where it is seen.
-fn image(gpu: &Gpu, world: &World, method: &dyn ScreenMethod) -> Result<Vec<f32>, GpuError> {
+fn image(gpu: &Gpu, world: &World, method: &ScreenMethod) -> Result<Vec<f32>, GpuError> {
     let gbuffer = floor();
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, &ATTRIBUTES).expect("attributes");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };
@@ -71,7 +71,7 @@ fn image(gpu: &Gpu, world: &World, method: &dyn ScreenMethod) -> Result<Vec<f32>
 /// Half a metre below a ceiling three quarters of what is within a metre are hidden.
 const HIDDEN: f32 = 0.75;
 
-fn mean_openness(gpu: &Gpu, world: &World, method: &dyn ScreenMethod) -> Result<f32, GpuError> {
+fn mean_openness(gpu: &Gpu, world: &World, method: &ScreenMethod) -> Result<f32, GpuError> {
     let image = image(gpu, world, method)?;
     assert!(image.len() > 200, "{} pixels", image.len());
     Ok(image.iter().sum::<f32>() / image.len() as f32)
@@ -80,9 +80,11 @@ fn mean_openness(gpu: &Gpu, world: &World, method: &dyn ScreenMethod) -> Result<
 #[test]
 fn five_million_triangles_occlude_as_few_do() {
     let gpu = Gpu::new().expect("an adapter");
-    let surfels =
-        SurfelOcclusion::new(&gpu, surfel::Parameters::of(Quality::Ultra).into()).expect("valid shaders");
-    let volumes = aov::OcclusionVolumes::new(&gpu, aov::Volumes).expect("valid shaders");
+    let surfels = ScreenMethod::new(
+        &gpu,
+        Disks::new(surfel::Parameters::of(Quality::Ultra), surfel::occlusion::OCCLUSION),
+    );
+    let volumes = ScreenMethod::new(&gpu, aov::Volumes);
     let few = World::new(&gpu, &ceiling(40).into(), None).expect("room");
     let of_few = mean_openness(&gpu, &few, &surfels).expect("an image");
     // A pixel that noise takes below 0 is black: the mean is a little above what is right.

@@ -1,11 +1,12 @@
 //! All WGSL sources.
 //!
 //! A shader is a file of `shaders/wgsl` and what that file says that it needs ([`import`]), behind constants
-//! and uniform structs, both derived from Rust. Adding one is a line in one of the tables below this module,
-//! and an entry in [`uniforms`] if it needs a new struct. The kernels of a network's layers on GPUs are put
-//! together in [`convolution`], those of its head in [`head`], what makes its input and its image of a frame
-//! in [`net_input`] and [`net_image`]. Which line of which file a line of a source is, [`place`] tells.
+//! from Rust. [`Shader::at`] names it by its path, which is also the label of its pass. A struct that it
+//! documents is one of [`uniforms`] in Rust. The kernels of a network's layers on GPUs are put together in
+//! [`convolution`], those of its head in [`head`], what makes its input and its image of a frame in
+//! [`net_input`] and [`net_image`]. Which line of which file a line of a source is, [`place`] tells.
 
+pub mod attributes;
 pub mod convolution;
 pub mod head;
 mod import;
@@ -18,32 +19,37 @@ pub(crate) use place::located;
 
 use import::Product;
 use std::fmt::Write;
-use std::sync::OnceLock;
 
 /// Width and height of the workgroups that cover images: `TILE` in every shader.
 pub const TILE: u32 = 8;
 
 /// A WGSL source: a file of `shaders/wgsl` with all that it imports.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shader {
-    /// A name that no other shader has; also the label of its pass.
-    pub name: &'static str,
-    /// The file, as others would import it.
     file: &'static str,
-    product: OnceLock<Product>,
 }
 
 impl Shader {
-    const fn new(name: &'static str, file: &'static str) -> Self {
-        Self { name, file, product: OnceLock::new() }
+    /// That of a file, as others would import it: `methods/gtao/occlusion`.
+    ///
+    /// # Panics
+    /// If there is no such file; in a constant, the program does not compile.
+    pub const fn at(file: &'static str) -> Self {
+        assert!(import::is_file(file), "no such file in shaders/wgsl");
+        Self { file }
     }
 
-    fn product(&self) -> &Product {
-        self.product.get_or_init(|| Product::of(&[self.file]))
+    /// The label of its pass: the file without `methods`, `gtao.occlusion`.
+    pub fn name(self) -> String {
+        self.file.trim_start_matches("methods/").replace('/', ".")
+    }
+
+    fn product(self) -> Product {
+        Product::of(&[self.file])
     }
 
     /// The whole source, with the constants' defaults.
-    pub fn source(&self) -> String {
+    pub fn source(self) -> String {
         self.specialised(&[])
     }
 
@@ -51,64 +57,29 @@ impl Shader {
     ///
     /// # Panics
     /// If the shader has no constant of such a name.
-    pub fn specialised(&self, values: &[(&str, u32)]) -> String {
-        self.prelude(values) + &self.product().text
+    pub fn specialised(self, values: &[(&str, u32)]) -> String {
+        let product = self.product();
+        self.prelude(&product, values) + &product.text
     }
 
-    fn prelude(&self, values: &[(&str, u32)]) -> String {
-        let constants = &self.product().constants;
+    fn prelude(self, product: &Product, values: &[(&str, u32)]) -> String {
         for (name, _) in values {
-            let known = constants.iter().any(|constant| constant.name == *name);
-            assert!(known, "shader `{}` has no constant `{name}`", self.name);
+            let known = product.constants.iter().any(|constant| constant.name == *name);
+            assert!(known, "shader `{}` has no constant `{name}`", self.file);
         }
         let value = |name: &str| values.iter().find(|(other, _)| *other == name).map(|(_, value)| *value);
         let mut prelude = format!("const TILE = {TILE}u;\n");
-        for constant in constants {
+        for constant in &product.constants {
             let value = value(constant.name).unwrap_or(constant.default);
             writeln!(prelude, "const {} = {value}u;", constant.name).expect("writing to a string");
         }
-        prelude + &self.product().declarations()
+        prelude
     }
 }
 
-/// Writes a table: for each entry a static of that name, with a label and a file, and one of all.
-macro_rules! shaders {
-    (table $table:ident; $($(#[$doc:meta])* $name:ident: $label:literal, $file:literal;)*) => {
-        $($(#[$doc])*
-        pub static $name: Shader = Shader::new($label, $file);)*
-
-        /// Every shader of this table.
-        pub(super) static $table: &[&Shader] = &[$(&$name),*];
-    };
-}
-
-mod ceilings;
-pub mod frame;
-mod indirect;
-mod lpv;
-mod nets;
-mod occlusion;
-mod phosphor;
-mod post;
-mod surfels;
-mod volume;
-
-pub use ceilings::*;
-pub use indirect::*;
-pub use lpv::*;
-pub use nets::*;
-pub use occlusion::*;
-pub use phosphor::*;
-pub use post::*;
-pub use surfels::*;
-pub use volume::*;
-
-/// Every shader.
-pub fn all() -> impl Iterator<Item = &'static Shader> {
-    [CEILINGS, frame::FRAME, INDIRECT, LPV, NETS, OCCLUSION, PHOSPHOR, POST, SURFELS, VOLUME]
-        .into_iter()
-        .flatten()
-        .copied()
+/// Every shader: what has an entry point, is no part of another, and needs nothing that Rust writes.
+pub fn all() -> impl Iterator<Item = Shader> {
+    import::roots().filter(|file| Product::of(&[file]).is_whole()).map(|file| Shader { file })
 }
 
 #[cfg(test)]
@@ -160,25 +131,30 @@ pub(crate) mod tests {
 
     #[test]
     fn every_shader_is_valid_and_every_struct_lies_as_in_rust() {
-        assert!(all().count() > 10);
+        assert!(all().count() > 100);
         for shader in all() {
-            let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.name)).expect("valid");
+            let module = parse(&shader.source()).map_err(|e| format!("{}: {e}", shader.file)).expect("valid");
             let stages: Vec<_> = module.entry_points.iter().map(|entry| entry.stage).collect();
             let one_pass = [
                 &[naga::ShaderStage::Compute][..],
                 &[naga::ShaderStage::Vertex],
                 &[naga::ShaderStage::Vertex, naga::ShaderStage::Fragment],
             ];
-            assert!(one_pass.contains(&&stages[..]), "{}: {stages:?}", shader.name);
-            for layout in &shader.product().uniforms {
-                assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.name);
+            assert!(one_pass.contains(&&stages[..]), "{}: {stages:?}", shader.file);
+            let has = |layout: &&Layout| {
+                module.types.iter().any(|(_, kind)| kind.name.as_deref() == Some(layout.name))
+            };
+            for layout in uniforms::LAYOUTS.iter().filter(has) {
+                assert_eq!(agrees(layout, &module), Ok(()), "{}", shader.file);
             }
         }
     }
 
     #[test]
-    fn every_name_is_given_once() {
-        let names: std::collections::BTreeSet<&str> = all().map(|shader| shader.name).collect();
+    fn names_are_paths_and_given_once() {
+        assert_eq!(Shader::at("methods/gtao/occlusion").name(), "gtao.occlusion");
+        assert_eq!(Shader::at("frame/light").name(), "frame.light");
+        let names: std::collections::BTreeSet<String> = all().map(Shader::name).collect();
         assert_eq!(names.len(), all().count());
     }
 
@@ -205,7 +181,8 @@ pub(crate) mod tests {
 
     #[test]
     fn an_error_is_said_with_its_place_in_a_file() {
-        let (source, wrong) = (BLUR.source(), "fn surface_valid(index: u32) -> bool {");
+        let (source, wrong) =
+            (Shader::at("methods/blur/smooth").source(), "fn surface_valid(index: u32) -> bool {");
         assert!(source.contains(wrong));
         let said =
             parse(&source.replace(wrong, "fn surface_valid(index: u32) -> boot {")).expect_err("wrong");
@@ -216,7 +193,7 @@ pub(crate) mod tests {
 
     #[test]
     fn every_file_is_part_of_something() {
-        let attributes = frame::attributes_source(&[crate::Attribute::Depth]);
+        let attributes = attributes::attributes_source(&[crate::Attribute::Depth]);
         let sources: Vec<String> = all().map(Shader::source).chain([attributes]).collect();
         let nets = [convolution::tests::sources(), head::tests::sources()];
         let frames = [net_input::tests::sources(), net_image::tests::sources()];
@@ -229,7 +206,7 @@ pub(crate) mod tests {
 
     #[test]
     fn constants_take_other_values() {
-        let source = LPV_SHINE_KEPT.specialised(&[("UNIT", 4)]);
+        let source = Shader::at("methods/lpv/shine_kept").specialised(&[("UNIT", 4)]);
         assert!(source.starts_with("const TILE = 8u;\n"), "{source}");
         assert!(source.contains("const HEIGHT = 8u;\n") && source.contains("const UNIT = 4u;\n"), "{source}");
         assert!(parse(&source).is_ok());
@@ -238,6 +215,6 @@ pub(crate) mod tests {
     #[test]
     #[should_panic(expected = "no constant `SIZE`")]
     fn an_unknown_constant_is_refused() {
-        let _ = BLUR.specialised(&[("SIZE", 1)]);
+        let _ = Shader::at("methods/blur/smooth").specialised(&[("SIZE", 1)]);
     }
 }

@@ -186,7 +186,7 @@ fn chosen(args: &Args) -> Vec<(Effect, String)> {
 }
 
 /// What runs on each frame: methods that work on the screen, and a network.
-type Opened = (Vec<Box<dyn ScreenMethod>>, Option<Learned>);
+type Opened = (Vec<ScreenMethod>, Option<Learned>);
 
 fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened> {
     let (networks, others): (Vec<_>, Vec<_>) = chosen.iter().partition(|(_, name)| name == LEARNED);

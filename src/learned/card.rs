@@ -22,7 +22,7 @@ pub struct Card {
     spec: NetSpec,
     estimators: Vec<Estimator>,
     /// Their passes.
-    methods: Vec<Box<dyn ScreenMethod>>,
+    methods: Vec<ScreenMethod>,
     input: InputPasses,
     image: ImagePass,
 }
@@ -129,7 +129,7 @@ impl Card {
     }
 
     fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<Estimate>, MethodError> {
-        let estimates = self.methods.iter().map(|method| Estimate::new(method.as_ref(), gbuffer, view));
+        let estimates = self.methods.iter().map(|method| Estimate::new(method, gbuffer, view));
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
 }
@@ -139,7 +139,7 @@ fn passes(
     gpu: &Gpu,
     spec: &NetSpec,
     estimate: &deepshade_infer::Estimate,
-) -> Result<Box<dyn ScreenMethod>, MethodError> {
+) -> Result<ScreenMethod, MethodError> {
     let other = |what: String| MethodError::Other { method: LEARNED, what };
     let quality = Quality::ALL.into_iter().find(|quality| quality.name() == estimate.quality);
     let quality = quality.ok_or_else(|| other(format!("no quality `{}`", estimate.quality)))?;

@@ -47,7 +47,7 @@ impl Recorded {
     }
 
     /// What holds for another frame, from the next submission on; `methods` are those of the estimates.
-    pub fn set(&self, queue: &Queue, methods: &[Box<dyn ScreenMethod>], view: &View, frame: FrameScale) {
+    pub fn set(&self, queue: &Queue, methods: &[ScreenMethod], view: &View, frame: FrameScale) {
         for (estimate, method) in self.estimates.iter().zip(methods) {
             estimate.plan.look(queue, method, &of_estimates(view));
         }
@@ -63,7 +63,7 @@ impl Estimate {
     ///
     /// # Errors
     /// If the device has no room, or refuses a binding.
-    pub fn new(method: &dyn ScreenMethod, gbuffer: &GpuGBuffer, view: &View) -> Result<Self, GpuError> {
+    pub fn new(method: &ScreenMethod, gbuffer: &GpuGBuffer, view: &View) -> Result<Self, GpuError> {
         let inputs = Inputs { gbuffer, environment: None, world: None };
         let plan = Plan::new(method, &inputs, &of_estimates(view))?;
         let first = plan.steps().first().and_then(|step| step.writes.first());

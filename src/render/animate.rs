@@ -295,7 +295,7 @@ fn check(args: &Args) -> Result<()> {
 }
 
 /// A method on the screen, or a network, or neither.
-type Opened = (Vec<Box<dyn ScreenMethod>>, Option<Learned>);
+type Opened = (Vec<ScreenMethod>, Option<Learned>);
 
 /// The method that is asked for.
 fn opened(args: &Args, gpu: &Gpu) -> Result<Opened> {

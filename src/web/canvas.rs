@@ -4,9 +4,12 @@ use crate::render::picture::{Curve, Exposure};
 use anyhow::{Context, Result};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl::frame::WIPE;
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::Wipe;
 use web_sys::HtmlCanvasElement;
+
+/// What draws.
+const LABEL: &str = "frame.wipe";
 
 /// Every browser's canvas has it.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Bgra8Unorm;
@@ -41,12 +44,12 @@ impl Canvas {
     pub fn new(instance: &wgpu::Instance, gpu: &Gpu, element: HtmlCanvasElement) -> Result<Self> {
         let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(element.clone()))?;
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(WIPE.name),
-            source: wgpu::ShaderSource::Wgsl(WIPE.source().into()),
+            label: Some(LABEL),
+            source: wgpu::ShaderSource::Wgsl(Shader::at("frame/wipe").source().into()),
         });
         let compilation_options = wgpu::PipelineCompilationOptions::default();
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(WIPE.name),
+            label: Some(LABEL),
             layout: None,
             vertex: wgpu::VertexState {
                 module: &module,
@@ -109,7 +112,7 @@ impl Canvas {
         let wipe = gpu::uniform(&gpu.device, "wipe", &wipe)?;
         let [left, right] = drawing.images;
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(WIPE.name),
+            label: Some(LABEL),
             layout: &self.pipeline.get_bind_group_layout(0),
             entries: &[
                 wgpu::BindGroupEntry { binding: 0, resource: left.as_entire_binding() },
@@ -127,7 +130,7 @@ impl Canvas {
         let view = frame.texture.create_view(&wgpu::TextureViewDescriptor::default());
         gpu::submit(&gpu.device, &gpu.queue, "wipe", |encoder| {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some(WIPE.name),
+                label: Some(LABEL),
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &view,
                     depth_slice: None,

@@ -58,7 +58,7 @@ pub fn choices() -> String {
 /// Every shader of the program, as JSON: its name and its source. Browsers hold WGSL to more rules than programs do.
 #[wasm_bindgen]
 pub fn shaders() -> String {
-    json!(wgsl::all().map(|shader| (shader.name, shader.source())).collect::<Vec<_>>()).to_string()
+    json!(wgsl::all().map(|shader| (shader.name(), shader.source())).collect::<Vec<_>>()).to_string()
 }
 
 #[wasm_bindgen]

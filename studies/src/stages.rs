@@ -2,7 +2,6 @@
 
 use deepshade_render::screen::{MethodStep, Plan};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
-use deepshade_shaders::wgsl::{self, Shader};
 
 /// A stage of the thesis' Tables 4.1, 5.1 and 6.1. What these have besides, shuffling and unshuffling, ours
 /// do not need: places in sub-buffers are computed.
@@ -38,73 +37,96 @@ pub enum Stage {
     March,
 }
 
-/// Which shader belongs to which stage.
-static SHADERS: [(Stage, &Shader); 65] = [
-    (Stage::Surfels, &wgsl::SURFELS_VERTICES),
-    (Stage::Surfels, &wgsl::SURFELS_MEASURE),
-    (Stage::Surfels, &wgsl::SURFELS_SUM),
-    (Stage::Surfels, &wgsl::SURFELS_TOTAL),
-    (Stage::Surfels, &wgsl::SURFELS_BEGIN),
-    (Stage::Surfels, &wgsl::SURFELS_PLACE),
-    (Stage::Surfels, &wgsl::AOV_FACETS),
-    (Stage::Light, &wgsl::SURFELS_REFLECTED),
-    (Stage::Light, &wgsl::SURFELS_RECEIVED),
-    (Stage::Light, &wgsl::SURFELS_DIMMED),
-    (Stage::Light, &wgsl::SURFELS_KEEP),
-    (Stage::Light, &wgsl::SURFELS_KEEP_DIMMED),
-    (Stage::Light, &wgsl::SURFELS_GIVE_BACK),
-    (Stage::Light, &wgsl::PHOSPHOR_CELLS),
-    (Stage::Intervals, &wgsl::VOLUME_SHELL_INTERVALS),
-    (Stage::Intervals, &wgsl::VOLUME_SHELL_PAPER_INTERVALS),
-    (Stage::Tree, &wgsl::SURFELS_LEAVES),
-    (Stage::Tree, &wgsl::SURFELS_LIT_LEAVES),
-    (Stage::Tree, &wgsl::SURFELS_PARENTS),
-    (Stage::Tree, &wgsl::AOV_PARENTS),
-    (Stage::Splat, &wgsl::SURFEL_OCCLUSION),
-    (Stage::Splat, &wgsl::SURFEL_LIGHT),
-    (Stage::Splat, &wgsl::GLOSS),
-    (Stage::Splat, &wgsl::SURFEL_GLOSSY),
-    (Stage::Splat, &wgsl::SURFEL_BLOCKED),
-    (Stage::Splat, &wgsl::SURFEL_BODIES),
-    (Stage::Splat, &wgsl::SURFEL_GIVEN),
-    (Stage::Splat, &wgsl::BOUNCED_TRACE),
-    (Stage::Splat, &wgsl::BOUNCED_GLOSSY_TRACE),
-    (Stage::Splat, &wgsl::BOUNCED_SKY),
-    (Stage::Splat, &wgsl::BOUNCED_LIGHT),
-    (Stage::Splat, &wgsl::AOV_OCCLUSION),
-    (Stage::Splat, &wgsl::AOV_TRACE),
-    (Stage::Splat, &wgsl::VOLUME_SHELL_SPLAT),
-    (Stage::Splat, &wgsl::VOLUME_SHELL_PAPER_SPLAT),
-    (Stage::Blur, &wgsl::BLUR),
-    (Stage::Blur, &wgsl::VOLUME_SHELL_REDUCE),
-    (Stage::Blur, &wgsl::VOLUME_SHELL_EXPAND),
-    (Stage::Blur, &wgsl::BOUNCED_FILTER),
-    (Stage::Blur, &wgsl::BOUNCED_GLOSSY_FILTER),
-    (Stage::Sum, &wgsl::SURFEL_OPENNESS),
-    (Stage::Sum, &wgsl::SURFEL_INDIRECT),
-    (Stage::Sum, &wgsl::SURFEL_OPEN),
-    (Stage::Sum, &wgsl::SURFEL_REFLECT),
-    (Stage::Sum, &wgsl::SURFEL_SCATTER),
-    (Stage::Sum, &wgsl::SURFELS_IN_WATTS),
-    (Stage::Sum, &wgsl::VOLUME_SHELL_ADD),
-    (Stage::Direct, &wgsl::VOLUME_SHELL_DIRECT),
-    (Stage::Inject, &wgsl::LPV_CLEAR),
-    (Stage::Inject, &wgsl::LPV_INJECT),
-    (Stage::Inject, &wgsl::LPV_FRESH),
-    (Stage::Inject, &wgsl::LPV_NEST),
-    (Stage::Inject, &wgsl::LPV_BORDER),
-    (Stage::Inject, &wgsl::LPV_SHINE),
-    (Stage::Inject, &wgsl::LPV_SHINE_KEPT),
-    (Stage::Inject, &wgsl::LPV_SHINE_MEDIUM),
-    (Stage::Inject, &wgsl::LPV_REFLECT),
-    (Stage::Blockers, &wgsl::LPV_LINKS),
-    (Stage::Medium, &wgsl::LPV_MEDIA),
-    (Stage::Scatter, &wgsl::LPV_BEGIN),
-    (Stage::Scatter, &wgsl::LPV_BEGIN_EMITTED),
-    (Stage::Propagate, &wgsl::LPV_PROPAGATE),
-    (Stage::March, &wgsl::LPV_LIT),
-    (Stage::March, &wgsl::LPV_MARCH),
-    (Stage::March, &wgsl::LPV_APPLY),
+/// Labels of the passes of each stage.
+const PASSES: [(Stage, &[&str]); 14] = [
+    (
+        Stage::Surfels,
+        &[
+            "surfels.vertices",
+            "surfels.measure",
+            "surfels.sum",
+            "surfels.total",
+            "surfels.begin",
+            "surfels.place",
+            "aov.facets",
+        ],
+    ),
+    (
+        Stage::Light,
+        &[
+            "surfels.reflected",
+            "surfels.received",
+            "surfels.dimmed",
+            "surfels.keep",
+            "surfels.keep_dimmed",
+            "surfels.give_back",
+            "phosphor.cells",
+        ],
+    ),
+    (Stage::Intervals, &["volume-shell.intervals", "volume-shell.paper_intervals"]),
+    (Stage::Tree, &["surfels.leaves", "surfels.lit_leaves", "surfels.parents", "aov.parents"]),
+    (
+        Stage::Splat,
+        &[
+            "surfel.occlusion",
+            "surfel.light",
+            "gloss",
+            "surfel.glossy",
+            "surfel.blocked",
+            "surfel.bodies",
+            "surfel.given",
+            "bounced-z.trace",
+            "bounced-z.glossy_trace",
+            "bounced-z.sky",
+            "bounced-z.light",
+            "aov.occlusion",
+            "aov.trace",
+            "volume-shell.splat",
+            "volume-shell.paper_splat",
+        ],
+    ),
+    (
+        Stage::Blur,
+        &[
+            "blur.smooth",
+            "volume-shell.reduce",
+            "volume-shell.expand",
+            "bounced-z.filter",
+            "bounced-z.glossy_filter",
+        ],
+    ),
+    (
+        Stage::Sum,
+        &[
+            "surfel.openness",
+            "surfel.indirect",
+            "surfel.open",
+            "surfel.reflect",
+            "surfel.scatter",
+            "surfels.in_watts",
+            "volume-shell.add",
+        ],
+    ),
+    (Stage::Direct, &["volume-shell.direct"]),
+    (
+        Stage::Inject,
+        &[
+            "lpv.clear",
+            "lpv.inject",
+            "lpv.fresh",
+            "lpv.nest",
+            "lpv.border",
+            "lpv.shine",
+            "lpv.shine_kept",
+            "lpv.shine_medium",
+            "lpv.reflect",
+        ],
+    ),
+    (Stage::Blockers, &["lpv.links"]),
+    (Stage::Medium, &["lpv.media"]),
+    (Stage::Scatter, &["lpv.begin", "lpv.begin_emitted"]),
+    (Stage::Propagate, &["lpv.propagate"]),
+    (Stage::March, &["lpv.lit", "lpv.march", "lpv.apply"]),
 ];
 
 impl Stage {
@@ -153,8 +175,8 @@ impl Stage {
 
     /// That of a pass.
     pub fn of(step: &MethodStep) -> Option<Self> {
-        let its = SHADERS.iter().find(|(_, shader)| step.step.pass.is_of(shader.name));
-        its.map(|(stage, _)| *stage)
+        let is_of = |(_, labels): &&(Self, &[&str])| labels.iter().any(|label| step.step.pass.is_of(label));
+        PASSES.iter().find(is_of).map(|(stage, _)| *stage)
     }
 }
 
@@ -224,7 +246,7 @@ pub fn megabytes(plan: &Plan) -> f64 {
 
 /// How many surfels the last frame has, and how many it would have with room for all.
 pub fn surfels(gpu: &Gpu, plan: &Plan) -> Result<[u32; 2], GpuError> {
-    let counts = plan.steps().iter().find(|step| step.step.pass.is_of(wgsl::SURFELS_TOTAL.name));
+    let counts = plan.steps().iter().find(|step| step.step.pass.is_of("surfels.total"));
     let Some(counts) = counts.and_then(|step| step.writes.last()) else { return Ok([0; 2]) };
     let counts: Vec<u32> = gpu::read_part(&gpu.device, &gpu.queue, counts, 0, 8)?;
     Ok([counts[0], counts[1]])

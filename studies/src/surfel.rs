@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => {
             let (method, subject) =
                 (methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?, subject(PAPER)?);
-            stages::megabytes(&Plan::new(method.as_ref(), &subject.inputs(), &subject.view)?)
+            stages::megabytes(&Plan::new(&method, &subject.inputs(), &subject.view)?)
         }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;
@@ -172,7 +172,7 @@ fn effects(args: &Args) -> Result<Vec<Effect>> {
 }
 
 /// The methods of the effects that were asked for.
-fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<Box<dyn ScreenMethod>>> {
+fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<ScreenMethod>> {
     let of = |effect: Effect| {
         METHODS
             .into_iter()
@@ -185,7 +185,7 @@ fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<Box<dyn Scre
 }
 
 impl Measured {
-    fn new(method: &dyn ScreenMethod, subject: &Subject<'_>, size: Size, runs: usize) -> Result<Self> {
+    fn new(method: &ScreenMethod, subject: &Subject<'_>, size: Size, runs: usize) -> Result<Self> {
         let (effect, method_name) = (method.effect(), method.name());
         note!("{effect} by {method_name} at {size}");
         let plan = Plan::new(method, &subject.inputs(), &subject.view);

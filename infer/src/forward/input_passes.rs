@@ -7,7 +7,7 @@ use crate::NetSpec;
 use crate::input::RELIEF_LEVELS;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::net_input::{FIRST_ATTRIBUTE, InputChannel, InputPass, SQUARES, VALID, WRITTEN};
-use deepshade_shaders::wgsl::{NET_SQUARES, NET_SQUARES_FIRST, TILE};
+use deepshade_shaders::wgsl::{Shader, TILE};
 use deepshade_shaders::{Attribute, MissingAttribute};
 use wgpu::{Buffer, Device};
 
@@ -181,8 +181,8 @@ fn passes(spec: &NetSpec, most_buffers: usize) -> Vec<InputPass> {
 /// The passes that make the levels of sums over squares.
 fn squares(device: &Device) -> Result<Vec<Pass>, GpuError> {
     let level = |level: u32| match level {
-        0 => Pass::new(device, NET_SQUARES_FIRST.name, &NET_SQUARES_FIRST.source()),
-        _ => Pass::new(device, NET_SQUARES.name, &NET_SQUARES.specialised(&[("LEVEL", level)])),
+        0 => Pass::of(device, Shader::at("net/squares_first"), &[]),
+        _ => Pass::of(device, Shader::at("net/squares"), &[("LEVEL", level)]),
     };
     (0..RELIEF_LEVELS.len() as u32).map(level).collect()
 }

@@ -5,7 +5,7 @@ use super::{ForwardError, Options, kernel};
 use crate::{Layer, NetSpec, Source, Weights};
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::convolution::{Shape, WORKGROUP};
-use deepshade_shaders::wgsl::{self, Shader, TILE};
+use deepshade_shaders::wgsl::{Shader, TILE};
 use std::collections::HashMap;
 
 /// Outputs that a software kernel makes of a feature map at a time.
@@ -69,7 +69,7 @@ impl Stages<'_> {
             let [bytes, limit] = [packed.stride, SOFTWARE_ROOM].map(|floats| floats * size_of::<f32>());
             return Err(ForwardError::Weights { layer: layer.name.clone(), bytes, limit });
         }
-        let pass = self.pass(software_shader(self.spec, layer).name, software_source(self.spec, layer))?;
+        let pass = self.pass(&software_shader(self.spec, layer).name(), software_source(self.spec, layer))?;
         let at_once = SOFTWARE_ROOM / packed.stride;
         let parts = (0..packed.reads.len()).step_by(at_once).map(|first| {
             let end = packed.reads.len().min(first + at_once);
@@ -130,16 +130,16 @@ pub fn software_source(spec: &NetSpec, layer: &Layer) -> String {
 }
 
 /// The software kernel of a layer.
-fn software_shader(spec: &NetSpec, layer: &Layer) -> &'static Shader {
-    match (layer.source, layer.activation) {
-        (Source::Input | Source::Folded, _) if spec.levels() == 1 => &wgsl::NET_ONLY,
-        (Source::Input | Source::Folded, _) => &wgsl::NET_FIRST,
-        (Source::Plain(_), _) => &wgsl::NET_PLAIN,
-        (Source::Pooled(_), _) if layer.level + 1 == spec.levels() => &wgsl::NET_BOTTOM,
-        (Source::Pooled(_), _) => &wgsl::NET_DOWN,
-        (Source::Joined { .. }, true) => &wgsl::NET_UP,
-        (Source::Joined { .. }, false) => &wgsl::NET_IMAGE,
-    }
+fn software_shader(spec: &NetSpec, layer: &Layer) -> Shader {
+    Shader::at(match (layer.source, layer.activation) {
+        (Source::Input | Source::Folded, _) if spec.levels() == 1 => "net/only",
+        (Source::Input | Source::Folded, _) => "net/first",
+        (Source::Plain(_), _) => "net/plain",
+        (Source::Pooled(_), _) if layer.level + 1 == spec.levels() => "net/bottom",
+        (Source::Pooled(_), _) => "net/down",
+        (Source::Joined { .. }, true) => "net/up",
+        (Source::Joined { .. }, false) => "net/image",
+    })
 }
 
 fn check_channels(device: &wgpu::Device, layer: &Layer) -> Result<(), ForwardError> {

@@ -10,9 +10,9 @@ mod tests;
 pub mod vector;
 
 use super::Surface;
-use crate::screen::{GpuGBuffer, MethodStep, View};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use crate::screen::{Device, GpuGBuffer, MethodStep, View};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::IVec2;
 
@@ -47,68 +47,40 @@ impl Parameters {
     }
 }
 
-/// The compiled pass.
-#[derive(Clone, Debug)]
-pub struct Blur {
-    pass: Pass,
-    channels: usize,
+/// What is blurred.
+#[derive(Clone, Copy, Debug)]
+pub struct Blurred<'a> {
+    /// `[channels, height, width]`.
+    pub image: &'a wgpu::Buffer,
+    /// Its channels.
+    pub channels: usize,
+    /// Room of the same size.
+    pub half_blurred: &'a wgpu::Buffer,
+    /// `[1, height, width]`: what is blurred together is the same here, and not 0.
+    pub mask: &'a wgpu::Buffer,
 }
 
-impl Blur {
-    /// Compiles the pass for images of so many channels.
-    ///
-    /// # Errors
-    /// If the device refuses it.
-    pub fn new(device: &wgpu::Device, channels: usize) -> Result<Self, GpuError> {
-        let source = wgsl::BLUR.specialised(&[("CHANNELS", channels as u32)]);
-        Ok(Self { pass: Pass::new(device, wgsl::BLUR.name, &source)?, channels })
-    }
-
-    /// Blurs `image`, `[channels, height, width]`, along rows and then along columns.
-    ///
-    /// # Errors
-    /// If the device has no room for what lies between.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        gbuffer: &GpuGBuffer,
-        [rows, columns]: [&wgpu::Buffer; 2],
-        image: &wgpu::Buffer,
-    ) -> Result<[MethodStep; 2], GpuError> {
-        let (height, width) = (gbuffer.height(), gbuffer.width());
-        let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", self.channels * height * width)?;
-        let valid = gbuffer.buffer(Attribute::Valid);
-        self.steps_between(device, gbuffer, valid, [rows, columns], &half_blurred, image)
-    }
-
-    /// As [`Blur::steps`], only among pixels of which a mask, `[1, height, width]`, says the same and not 0, and with the caller's
-    /// room for what lies between the two.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn steps_between(
-        &self,
-        device: &wgpu::Device,
-        gbuffer: &GpuGBuffer,
-        mask: &wgpu::Buffer,
-        [rows, columns]: [&wgpu::Buffer; 2],
-        half_blurred: &wgpu::Buffer,
-        image: &wgpu::Buffer,
-    ) -> Result<[MethodStep; 2], GpuError> {
-        let (height, width) = (gbuffer.height(), gbuffer.width());
-        let [position, normal] = [Attribute::Position, Attribute::Normal].map(|a| gbuffer.buffer(a));
-        let surface = [position, normal, mask];
-        let workgroups = gpu::groups(height, width, TILE);
-        let step = |uniform: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
-            let reads = [&[uniform], &surface[..], &[from]].concat();
-            MethodStep::bind(device, &self.pass, workgroups, &reads, &[to])
-        };
-        Ok([step(rows, image, half_blurred)?, step(columns, half_blurred, image)?])
-    }
+/// The passes that blur an image along rows and then along columns.
+///
+/// # Errors
+/// If the device refuses the pass or a binding.
+pub fn steps(
+    device: &Device,
+    gbuffer: &GpuGBuffer,
+    Blurred { image, channels, half_blurred, mask }: Blurred<'_>,
+    [rows, columns]: [&wgpu::Buffer; 2],
+) -> Result<[MethodStep; 2], GpuError> {
+    let pass = device.pass(Shader::at("methods/blur/smooth"), &[("CHANNELS", channels as u32)])?;
+    let [position, normal] = [Attribute::Position, Attribute::Normal].map(|a| gbuffer.buffer(a));
+    let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
+    let step = |uniform: &wgpu::Buffer, from: &wgpu::Buffer, to: &wgpu::Buffer| {
+        MethodStep::bind(device, &pass, workgroups, &[uniform, position, normal, mask, from], &[to])
+    };
+    Ok([step(rows, image, half_blurred)?, step(columns, half_blurred, image)?])
 }
 
 /// The blur of `image`, `[channels, height, width]` with one, three or twelve channels, along rows, and of that along columns:
-/// what [`Blur::steps`] makes.
+/// what [`steps`] makes.
 pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
     let along_rows = along(surface, rows, image);
     let along_both = along(surface, columns, &along_rows);

@@ -15,55 +15,9 @@ use std::fmt::{Display, Formatter};
 ///
 /// Fields with a `range` are dials, and so are switches and enumerations; fields that are none of these, `#[schemars(skip)]`,
 /// stay as the quality has them.
-pub trait Tunable: Serialize + DeserializeOwned + JsonSchema {
-    /// Those of a quality.
-    fn of_quality(quality: Quality) -> Self;
-}
+pub trait Tunable: Serialize + DeserializeOwned + JsonSchema {}
 
-/// Makes parameters that have qualities tunable.
-macro_rules! tunable {
-    ($($parameters:path),+ $(,)?) => {
-        $(impl Tunable for $parameters {
-            fn of_quality(quality: Quality) -> Self {
-                Self::of(quality)
-            }
-        })+
-    };
-}
-
-tunable!(
-    super::aov::bounced::Parameters,
-    super::bounced_z::Parameters,
-    super::epipolar::Parameters,
-    super::epipolar_sampling::Parameters,
-    super::fog_march::Parameters,
-    super::froxel::Parameters,
-    super::fxaa::Parameters,
-    super::gather::Parameters,
-    super::gpu_epipolar::Parameters,
-    super::gtao::Parameters,
-    super::hbao::Parameters,
-    super::lpv::Parameters,
-    super::min_max::Parameters,
-    super::phosphor::Parameters,
-    super::phosphor::glassner::Parameters,
-    super::prefiltered::Parameters,
-    super::ray_march::Parameters,
-    super::reconstruction::Parameters,
-    super::ring_gather::Parameters,
-    super::screen_truth::Parameters,
-    super::separable::Parameters,
-    super::ssdo::Parameters,
-    super::ssgi::Parameters,
-    super::surfel::Parameters,
-    super::volume_shell::Parameters,
-);
-
-impl Tunable for super::aov::Volumes {
-    fn of_quality(_: Quality) -> Self {
-        Self
-    }
-}
+impl<T: Serialize + DeserializeOwned + JsonSchema> Tunable for T {}
 
 /// What values a dial takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -289,17 +243,17 @@ impl From<Quality> for Tuning {
 }
 
 impl Tuning {
-    /// A method's parameters.
+    /// A method's parameters, of which `of` has those of a quality.
     ///
     /// # Errors
     /// If a change is of no dial, or out of its range.
-    pub fn parameters<T: Tunable>(&self) -> Result<T, DialError> {
-        let usual = T::of_quality(self.quality);
+    pub fn parameters<T: Tunable>(&self, of: impl Fn(Quality) -> T) -> Result<T, DialError> {
+        let usual = of(self.quality);
         if self.changes.is_empty() {
             return Ok(usual);
         }
         let unfit = |error: serde_json::Error| DialError::Parameters(error.to_string());
-        let dials = dials::<T>(self.quality);
+        let dials = dials(&usual);
         let mut value = serde_json::to_value(usual).map_err(unfit)?;
         for (name, to) in &self.changes.0 {
             let dial = dials.iter().find(|dial| dial.name == *name);
@@ -314,11 +268,11 @@ impl Tuning {
     }
 }
 
-/// The dials of parameters in a quality, by name.
-pub fn dials<T: Tunable>(quality: Quality) -> Vec<Dial> {
+/// The dials of parameters, by name.
+pub fn dials<T: Tunable>(usual: &T) -> Vec<Dial> {
     let settings = SchemaSettings::default().with(|settings| settings.inline_subschemas = true);
     let schema = settings.into_generator().into_root_schema_for::<T>().to_value();
-    let usual = serde_json::to_value(T::of_quality(quality)).unwrap_or_default();
+    let usual = serde_json::to_value(usual).unwrap_or_default();
     let mut dials = Vec::new();
     collect("", &schema, &usual, &mut dials);
     dials
@@ -380,7 +334,7 @@ mod tests {
 
     #[test]
     fn numbers_have_their_fields_documentation_range_and_value() {
-        let dials = dials::<gtao::Parameters>(Quality::Low);
+        let dials = dials(&gtao::Parameters::of(Quality::Low));
         let names: Vec<&str> = dials.iter().map(|dial| dial.name.as_str()).collect();
         assert_eq!(
             names,
@@ -395,13 +349,14 @@ mod tests {
     #[test]
     fn what_is_changed_is_changed_and_all_else_is_the_qualitys() {
         let tuning = changed(r#"{ "slices": { "steps": 5 }, "blur.sharpness": 0.5 }"#);
-        let parameters: gtao::Parameters = tuning.parameters().expect("parameters");
+        let parameters = tuning.parameters(gtao::Parameters::of).expect("parameters");
         let mut usual = gtao::Parameters::of(Quality::Low);
         assert_ne!(parameters, usual);
         usual.slices.steps = 5;
         usual.blur.sharpness = 0.5;
         assert_eq!(parameters, usual);
-        let still: ray_march::Parameters = changed(r#"{ "jitter": false }"#).parameters().expect("a switch");
+        let still =
+            changed(r#"{ "jitter": false }"#).parameters(ray_march::Parameters::of).expect("a switch");
         assert_eq!(still, ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::Low) });
     }
 
@@ -412,8 +367,9 @@ mod tests {
         }
         assert_eq!(Setting::from("two-bands"), Setting::Name("two-bands".to_owned()));
         let changes = Changes([("jitter".to_owned(), "false".into())].into());
-        let still: ray_march::Parameters =
-            Tuning { quality: Quality::Low, changes }.parameters().expect("a switch");
+        let still = Tuning { quality: Quality::Low, changes }
+            .parameters(ray_march::Parameters::of)
+            .expect("a switch");
         assert!(!still.jitter && ray_march::Parameters::of(Quality::Low).jitter);
     }
 
@@ -423,10 +379,10 @@ mod tests {
             // A change to what it is anyway goes the long way, by text and back.
             let steps = f64::from(volume_shell::Parameters::of(quality).steps);
             let changes = Changes([("steps".to_owned(), steps.into())].into());
-            let parameters: volume_shell::Parameters =
-                Tuning { quality, changes }.parameters().expect("parameters");
+            let parameters =
+                Tuning { quality, changes }.parameters(volume_shell::Parameters::of).expect("parameters");
             assert_eq!(parameters, volume_shell::Parameters::of(quality));
-            let parameters: fxaa::Parameters = Tuning::from(quality).parameters().expect("parameters");
+            let parameters = Tuning::from(quality).parameters(fxaa::Parameters::of).expect("parameters");
             assert_eq!(parameters, fxaa::Parameters::of(quality));
         }
     }
@@ -434,7 +390,7 @@ mod tests {
     #[test]
     fn what_cannot_be_set_is_refused_by_name() {
         let refused =
-            |changes: &str| changed(changes).parameters::<gtao::Parameters>().expect_err(changes).to_string();
+            |changes: &str| changed(changes).parameters(gtao::Parameters::of).expect_err(changes).to_string();
         let mistyped = refused(r#"{ "slices.stepz": 5 }"#);
         let said = "no parameter `slices.stepz` (did you mean `slices.steps`?); there are: blur";
         assert!(mistyped.starts_with(said), "{mistyped}");
@@ -449,19 +405,19 @@ mod tests {
 
     #[test]
     fn one_of_several_ways_is_chosen_by_its_name() {
-        let dials = dials::<lpv::Parameters>(Quality::Low);
+        let dials = dials(&lpv::Parameters::of(Quality::Low));
         let factors = dials.iter().find(|dial| dial.name == "scheme.factors").expect("a choice");
         let names = ["placed", "exponential", "linear"].map(str::to_owned);
         assert_eq!((&factors.values, factors.usual), (&Values::Named(names.to_vec()), 0.0));
         assert!(factors.text.starts_with("How collisions with the medium"), "{}", factors.text);
         let papers = r#"{ "scheme": { "factors": "linear", "lobes": "two-bands", "lookup": "within" } }"#;
-        let parameters: lpv::Parameters = changed(papers).parameters().expect("the paper's scheme");
+        let parameters = changed(papers).parameters(lpv::Parameters::of).expect("the paper's scheme");
         assert_eq!(
             parameters,
             lpv::Parameters { scheme: Scheme::PAPER, ..lpv::Parameters::of(Quality::Low) }
         );
         let refused =
-            |changes: &str| changed(changes).parameters::<lpv::Parameters>().expect_err(changes).to_string();
+            |changes: &str| changed(changes).parameters(lpv::Parameters::of).expect_err(changes).to_string();
         assert!(refused(r#"{ "scheme.factors": "cubic" }"#).ends_with("one of placed, exponential, linear"));
         assert!(refused(r#"{ "scheme.factors": 1 }"#).contains("1 is not one of"));
     }

@@ -70,7 +70,7 @@ impl Estimator {
         match self {
             Self::Gtao(parameters) => {
                 let surface = Surface::of(gbuffer)?;
-                let [raw, _, blurred] = gtao::on_processor(&surface, &parameters.settings(&view));
+                let [raw, _, blurred] = gtao::on_processor(parameters, &surface, &view);
                 Ok([blurred.data(), raw.data()].concat())
             }
         }
@@ -109,6 +109,7 @@ fn view(gbuffer: &GBuffer, radius: f32, seed: u32) -> Result<View, MissingAttrib
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::march;
     use crate::methods::proving::{still_life, view as seen};
 
     #[test]
@@ -119,7 +120,8 @@ mod tests {
         let parameters = gtao::Parameters::of(Quality::Low);
         let view = View { seed: 11, ..seen(height, width, 1.0) };
         let surface = Surface::of(&gbuffer).expect("all attributes");
-        let [raw, _, blurred] = gtao::reference::shade(&surface, &parameters.settings(&view));
+        let noisy = gtao::reference::occlude(&surface, &parameters.slices.settings(&view));
+        let [raw, _, blurred] = march::blurred(&parameters, &surface, &view, noisy);
         for (attribute, expected) in [(Attribute::Openness, blurred), (Attribute::RawOpenness, raw)] {
             let made = with.select(&[attribute]).expect("it was made");
             let far = made.data().iter().zip(expected.data()).filter(|(a, b)| (*a - *b).abs() > 0.05).count();

@@ -4,10 +4,11 @@
 
 use super::Surface;
 use crate::path::bsdf::{Fresnel, Ggx};
-use crate::screen::{GpuGBuffer, MethodStep};
+use crate::screen::{Device, GpuGBuffer, MethodStep};
 use crate::surfels::groups;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, wgsl};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
+use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
 /// What glossy receivers read of a g-buffer.
@@ -21,28 +22,17 @@ pub struct Gloss {
     glossiness: Planes,
 }
 
-/// The pass that gathers it for other passes.
+/// The pass that gathers it for other passes, and what it writes, `[height, width]` of four: specular colour,
+/// and glossiness, which is -1 where no surface is seen.
 ///
 /// # Errors
-/// If the device refuses it.
-pub fn pass(device: &wgpu::Device) -> Result<Pass, GpuError> {
-    Pass::new(device, wgsl::GLOSS.name, &wgsl::GLOSS.source())
-}
-
-/// That pass bound to a g-buffer, and what it writes, `[height, width]` of four: specular colour, and glossiness, which
-/// is -1 where no surface is seen.
-///
-/// # Errors
-/// If the device has no room.
-pub fn step(
-    device: &wgpu::Device,
-    pass: &Pass,
-    gbuffer: &GpuGBuffer,
-) -> Result<(wgpu::Buffer, MethodStep), GpuError> {
+/// If the device has no room, or refuses the pass.
+pub fn step(device: &Device, gbuffer: &GpuGBuffer) -> Result<(wgpu::Buffer, MethodStep), GpuError> {
+    let pass = device.pass(Shader::at("methods/gloss"), &[])?;
     let pixels = gbuffer.height() * gbuffer.width();
     let gloss = gpu::empty::<[f32; 4]>(device, "gloss", pixels)?;
     let reads = [Attribute::Valid, Attribute::Specular, Attribute::Glossiness].map(|a| gbuffer.buffer(a));
-    let step = MethodStep::bind(device, pass, groups(pixels), &reads, &[&gloss])?;
+    let step = MethodStep::bind(device, &pass, groups(pixels), &reads, &[&gloss])?;
     Ok((gloss, step))
 }
 
@@ -86,8 +76,8 @@ impl Lobe {
         Self { facets: self.facets.widened(by), ..self }
     }
 
-    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns. May be
-    /// below the surface.
+    /// A direction, camera space, that a place on a disk leads to; its radius squared, and its angle, turns.
+    /// May be below the surface.
     pub fn direction(&self, place: Vec2) -> Vec3 {
         self.to_camera * self.facets.sample(self.viewer, Vec2::new(place.y, place.x))
     }

@@ -1,82 +1,105 @@
-//! A march through the g-buffer from every pixel, in random directions, and the blur that removes its noise: what
-//! [`gtao`](super::gtao), [`hbao`](super::hbao), [`ssdo`](super::ssdo) and [`ssgi`](super::ssgi) have in common.
+//! Methods that march through the g-buffer from every pixel, in random directions, and blur the noise:
+//! [`gtao`](super::gtao), [`hbao`](super::hbao), [`ssdo`](super::ssdo) and [`ssgi`](super::ssgi). Such a
+//! method is what [`Marched`] asks for; its passes, its image in plain Rust and its dials follow.
 
-use super::Surface;
-use super::blur::{self, Blur};
-use crate::screen::{GpuGBuffer, MethodStep};
+use super::{Surface, blur, images};
+use crate::scene::Environment;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::{NoUninit, bytes_of};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
-use deepshade_shaders::{Attribute, Effect, Planes};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use std::fmt::Debug;
 
-/// Parameters of the three passes for one frame, as the GPU reads them.
-#[derive(Clone, Copy, Debug)]
-pub struct Settings<M> {
-    /// The march.
-    pub march: M,
-    /// The blur along rows, then along columns.
-    pub blurs: [uniforms::Blur; 2],
-}
+/// A method that marches and blurs. Its parameters implement it.
+pub trait Marched: Debug + Send + Sync {
+    /// Its name on the command line.
+    const NAME: &'static str;
+    /// What it computes.
+    const EFFECT: Effect;
+    /// What it reads of a g-buffer, in the order of the march's bindings.
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    /// The march: it reads its uniform buffer, the attributes and [`more`](Self::more), and writes the image.
+    const SHADER: Shader;
+    /// What the march's uniform buffer holds.
+    type March: NoUninit;
 
-impl<M: NoUninit> Settings<M> {
-    /// The contents of the passes' uniform buffers.
-    pub fn uniforms(&self) -> Vec<Vec<u8>> {
-        let blurs = self.blurs.iter().map(|blur| bytes_of(blur).to_vec());
-        [bytes_of(&self.march).to_vec()].into_iter().chain(blurs).collect()
-    }
-}
+    /// The march's parameters for a view.
+    fn march(&self, view: &View) -> Self::March;
 
-/// What runs on the GPU: the march, the blur along rows, the blur along columns.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    march: Pass,
-    blur: Blur,
-}
+    /// What removes its noise.
+    fn blur(&self) -> blur::Parameters;
 
-/// What a march reads beside its uniforms, in the order of its bindings.
-#[derive(Clone, Copy, Debug)]
-pub struct Reads<'a> {
-    /// The g-buffer.
-    pub gbuffer: &'a GpuGBuffer,
-    /// What of it.
-    pub attributes: &'a [Attribute],
-    /// What else.
-    pub more: &'a [&'a wgpu::Buffer],
-}
-
-impl Passes {
-    /// Compiles them; `march` makes images of an effect.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device, march: &Shader, effect: Effect) -> Result<Self, GpuError> {
-        let blur = Blur::new(device, effect.channels())?;
-        Ok(Self { march: Pass::new(device, march.name, &march.source())?, blur })
+    /// What else the march reads.
+    fn more(&self, _environment: Option<&Environment>) -> Option<Vec<[f32; 4]>> {
+        None
     }
 
-    /// The passes bound to a g-buffer. They write `image`, `[channels, height, width]`.
+    /// The march in plain Rust: the image before the blur, `[channels, height, width]`.
     ///
     /// # Errors
-    /// If the device has no room for what lies between them.
-    pub fn steps(
+    /// If the g-buffer lacks an attribute.
+    fn noisy(
         &self,
-        device: &wgpu::Device,
-        Reads { gbuffer, attributes, more }: Reads<'_>,
-        uniforms: &[wgpu::Buffer],
-        image: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let [march, rows, columns] = uniforms else { unreachable!("there are three uniform buffers") };
-        let attributes = attributes.iter().map(|attribute| gbuffer.buffer(*attribute));
-        let reads: Vec<_> = [march].into_iter().chain(attributes).chain(more.iter().copied()).collect();
-        let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        let march = MethodStep::bind(device, &self.march, workgroups, &reads, &[image])?;
-        let blurs = self.blur.steps(device, gbuffer, [rows, columns], image)?;
-        Ok([march].into_iter().chain(blurs).collect())
+        inputs: &PlainInputs<'_>,
+        surface: &Surface,
+        march: &Self::March,
+    ) -> Result<Planes, MissingAttribute>;
+
+    /// What all passes write, as [`blurred`] has it, by vector instructions of the processor, of methods that
+    /// have such a version.
+    fn on_processor(&self, _surface: &Surface, _view: &View) -> Option<[Planes; 3]> {
+        None
     }
 }
 
-/// What the plain versions of all three passes make of what that of the march does.
-pub fn blurred(surface: &Surface, blurs: &[uniforms::Blur; 2], noisy: Planes) -> [Planes; 3] {
-    let [along_rows, image] = blur::smooth(surface, blurs, &noisy);
+/// What the passes write, in plain Rust: the image before the blur, after that along rows, and after both,
+/// `[channels, height, width]` each.
+pub fn blurred<M: Marched>(method: &M, surface: &Surface, view: &View, noisy: Planes) -> [Planes; 3] {
+    let [along_rows, image] = blur::smooth(surface, &method.blur().settings(view, M::EFFECT), &noisy);
     [noisy, along_rows, image]
+}
+
+impl<M: Marched> Technique for M {
+    fn about(&self) -> About {
+        About::on_screen(M::NAME, M::EFFECT, M::ATTRIBUTES)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let [rows, columns] = self.blur().settings(view, M::EFFECT);
+        vec![bytes_of(&self.march(view)).to_vec(), bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec()]
+    }
+
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let Resources { device, gbuffer, output: image, .. } = *to;
+        let [march, rows, columns] = to.uniforms else { unreachable!("there are three uniform buffers") };
+        let more = self.more(to.environment);
+        let more = more.map(|more| gpu::storage(device, &format!("{}.more", M::NAME), &more)).transpose()?;
+        let attributes = M::ATTRIBUTES.iter().map(|attribute| gbuffer.buffer(*attribute));
+        let reads: Vec<_> = [march].into_iter().chain(attributes).chain(&more).collect();
+        let marched = MethodStep::bind(device, &device.pass(M::SHADER, &[])?, to.whole(), &reads, &[image])?;
+        let (channels, [height, width]) = (M::EFFECT.channels(), to.size());
+        let half_blurred = gpu::empty::<f32>(device, "blur.half_blurred", channels * height * width)?;
+        let mask = gbuffer.buffer(Attribute::Valid);
+        let blurred = blur::Blurred { image, channels, half_blurred: &half_blurred, mask };
+        let blurs = blur::steps(device, gbuffer, blurred, [rows, columns])?;
+        Ok([marched].into_iter().chain(blurs).collect())
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let surface = Surface::of(inputs.gbuffer)?;
+        let noisy = self.noisy(inputs, &surface, &self.march(view))?;
+        Ok(images(blurred(self, &surface, view, noisy)))
+    }
+
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        match Surface::of(inputs.gbuffer) {
+            Ok(surface) => Marched::on_processor(self, &surface, view).map(|written| Ok(images(written))),
+            Err(missing) => Some(Err(missing)),
+        }
+    }
 }

@@ -1,11 +1,12 @@
-//! The analytic methods, one folder each: `mod.rs` says what it is, `passes.rs` runs on the GPU (of those that
-//! march from random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is checked
-//! against, pass by pass. What several share is in files beside them.
+//! The analytic methods, one folder each: `mod.rs` says what it is and which passes run on the GPU (of those that
+//! march in random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is checked
+//! against, pass by pass. What several share is in files beside them. [`all`] lists them.
 
 pub mod aov;
 pub mod blur;
 pub mod bounced_z;
 pub mod dials;
+pub mod disks;
 pub mod environment_map;
 pub mod epipolar;
 pub mod epipolar_sampling;
@@ -18,6 +19,7 @@ pub mod gpu_epipolar;
 pub mod growing;
 pub mod gtao;
 pub mod hbao;
+mod list;
 pub mod lobe;
 pub mod lpv;
 pub mod march;
@@ -49,6 +51,7 @@ use crate::screen::Written;
 use deepshade_shaders::Planes;
 use deepshade_shaders::names::did_you_mean;
 
+pub use list::{Entry, Opened, all};
 pub use picture::Picture;
 pub use surface::Surface;
 pub use translucent::Translucent;

@@ -7,7 +7,7 @@ pub mod receiver;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::methods::picture::every_pixel;
-use crate::methods::{gtao, ring_gather};
+use crate::methods::{Quality, gtao, ring_gather};
 use crate::path::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
@@ -214,7 +214,7 @@ fn values_agree(a: &[f32], b: &[f32], tolerance: Tolerance) -> Result<(), String
 
 /// What each of a method's passes writes of a g-buffer, read before the next one runs.
 pub fn written_on_gpu(
-    method: &impl ScreenMethod,
+    method: &ScreenMethod,
     gbuffer: &GBuffer,
     environment: Option<&Environment>,
     view: &View,
@@ -242,7 +242,7 @@ pub fn written_on_gpu(
 
 /// What a method's passes make of a g-buffer.
 pub fn on_gpu(
-    method: &impl ScreenMethod,
+    method: &ScreenMethod,
     gbuffer: &GBuffer,
     environment: Option<&Environment>,
     view: &View,
@@ -256,7 +256,7 @@ pub fn on_gpu(
 /// # Panics
 /// If they do not.
 pub fn prove_twin(
-    method: &impl ScreenMethod,
+    method: &ScreenMethod,
     gbuffer: &GBuffer,
     environment: Option<&Environment>,
     view: &View,
@@ -320,12 +320,11 @@ pub fn prove_comparator(right: &Planes, tolerance: Tolerance) {
 fn a_pass_between_that_is_wrong_is_found_out() {
     let gpu = gpu::Gpu::new().expect("an adapter; lavapipe will do");
     let tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
-    let gtao = gtao::Gtao::new(&gpu, gtao::Parameters::default()).expect("valid shaders");
-    let ring_gather =
-        ring_gather::RingGather::new(&gpu, ring_gather::Parameters::default()).expect("valid shaders");
+    let gtao = ScreenMethod::new(&gpu, gtao::Parameters::of(Quality::High));
+    let ring_gather = ScreenMethod::new(&gpu, ring_gather::Parameters::of(Quality::High));
     let gbuffer = lit_still_life(43, 61);
     let view = view(43, 61, 1.0);
-    for (method, buffers) in [(&gtao as &dyn ScreenMethod, 3), (&ring_gather, 6)] {
+    for (method, buffers) in [(&gtao as &ScreenMethod, 3), (&ring_gather, 6)] {
         let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: None };
         let right = method.reference(&inputs, &view).expect("all attributes");
         assert_eq!((right.len(), passes_agree(&right, &right, tolerance)), (buffers, Ok(())));

@@ -6,7 +6,7 @@ use crate::screen::{GpuGBuffer, Step};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::TILE;
-use deepshade_shaders::wgsl::frame::{ATTRIBUTES_A_PASS, attributes_source};
+use deepshade_shaders::wgsl::attributes::{ATTRIBUTES_A_PASS, attributes_source};
 
 /// Which material each mesh has, and the materials, for passes that read the words.
 #[derive(Debug)]

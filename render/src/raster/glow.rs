@@ -6,9 +6,9 @@ use super::world::World;
 use crate::phosphor::paint::PaintState as State;
 use crate::scene::Scene;
 use crate::scene::glow::{Glow, Piece};
-use crate::screen::{MethodStep, Step};
+use crate::screen::{Device, MethodStep, Step};
 use crate::surfels::groups;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;
 
@@ -105,16 +105,16 @@ impl GlowOnGpu {
     /// If the device refuses.
     pub fn moving_on(
         &self,
-        device: &wgpu::Device,
-        (shader, constants): (&Shader, &[(&'static str, u32)]),
+        device: &Device,
+        (shader, constants): (Shader, &[(&'static str, u32)]),
         euler: u32,
         resources: &[(u32, wgpu::BindingResource<'_>)],
         (count, states): (usize, &wgpu::Buffer),
     ) -> Result<Vec<MethodStep>, GpuError> {
         let step = |[first, pieces]: [u32; 2]| {
             let own = [("EULER", euler), ("FIRST_PIECE", first), ("PIECES_AT_ONCE", pieces)];
-            let source = shader.specialised(&[constants, &own[..]].concat());
-            let pass = Pass::new(device, shader.name, &source)?.bind_at(device, resources.iter().cloned())?;
+            let pass = device.pass(shader, &[constants, &own[..]].concat())?;
+            let pass = pass.bind_at(device, resources.iter().cloned())?;
             Ok(MethodStep { step: Step { pass, workgroups: groups(count).into() }, writes: Vec::new() })
         };
         let mut steps =
@@ -153,7 +153,7 @@ pub struct Keeping<'a> {
     /// Steps of Euler's scheme for each time in which no lamp is switched; without any the step is exact.
     pub euler: u32,
     /// The pass that moves states on, in a clear scene and in one whose medium dims light.
-    pub shaders: [&'a Shader; 2],
+    pub shaders: [Shader; 2],
     /// What the pass reads of what keeps light.
     pub keepers: [&'a wgpu::Buffer; 2],
     /// How many of them there are, an invocation each.
@@ -167,7 +167,7 @@ impl Keeping<'_> {
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn steps(&self, device: &wgpu::Device, world: &World) -> Result<Vec<MethodStep>, GpuError> {
+    pub fn steps(&self, device: &Device, world: &World) -> Result<Vec<MethodStep>, GpuError> {
         let Self { euler, shaders, keepers: [first, second], count, states } = *self;
         let (shader, constants) = world.dimmed(shaders);
         let sampler = shadow_sampler(device);

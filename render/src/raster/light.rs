@@ -9,9 +9,8 @@ use crate::scene::{Encoding, Light, Scene, TextureId};
 use crate::screen::{GpuGBuffer, Step};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::TILE;
-use deepshade_shaders::wgsl::frame::LIGHT;
 use deepshade_shaders::wgsl::uniforms::{FrameView, LightRecord};
+use deepshade_shaders::wgsl::{Shader, TILE};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -142,8 +141,7 @@ pub fn step(
     gbuffer: &GpuGBuffer,
 ) -> Result<Step, GpuError> {
     let (lights, shadows) = (&world.gpu_lights, &world.shadows);
-    let source = LIGHT.specialised(&[("LIGHTS", lights.count as u32)]);
-    let pass = Pass::new(device, LIGHT.name, &source)?;
+    let pass = Pass::of(device, Shader::at("frame/light"), &[("LIGHTS", lights.count as u32)])?;
     let sampler = shadow_sampler(device);
     let mut resources = seen_bindings(image, &world.materials);
     resources.extend([

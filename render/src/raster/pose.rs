@@ -5,8 +5,7 @@ use super::geometry::{Geometry, POSED};
 use crate::scene::AnimatedScene;
 use crate::scene::gltf::{Rig, RigPart};
 use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass};
-use deepshade_shaders::wgsl::frame::POSE;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use glam::{Mat4, Vec3};
 
 /// Most workgroups along an axis that every device has.
@@ -75,7 +74,7 @@ impl Posing {
         let targets = gpu::storage(device, "frame.targets", &all.targets)?;
         let read = [&uniform, &rest, &followers, &influences, &matrices, &targets, &weights];
         let resources: Vec<_> = read.iter().map(|buffer| buffer.as_entire_binding()).chain([posed]).collect();
-        let pass = Pass::new(device, POSE.name, &POSE.source())?.bind(device, &resources)?;
+        let pass = Pass::of(device, Shader::at("frame/pose"), &[])?.bind(device, &resources)?;
         Ok(Some(Self { pass, workgroups, settings, uniform, matrices, weights }))
     }
 

@@ -7,9 +7,8 @@ use super::surface::{SurfaceImage, SurfacePass};
 use super::world::World;
 use crate::screen::Step;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::TILE;
-use deepshade_shaders::wgsl::frame::REFLECTIVE;
 use deepshade_shaders::wgsl::uniforms::{Chosen, FrameView};
+use deepshade_shaders::wgsl::{Shader, TILE};
 
 /// Planes of a reflective shadow map: position, normal and flux.
 pub const PLANES: usize = 9;
@@ -39,7 +38,7 @@ impl ReflectiveMap {
         let image = surface.image(device, size, size)?;
         let texels = gpu::empty::<f32>(device, "frame.reflective", PLANES * size * size)?;
         let chosen = gpu::uniform(device, "frame.reflective_light", &Chosen { light: light as u32 })?;
-        let pass = Pass::new(device, REFLECTIVE.name, &REFLECTIVE.source())?;
+        let pass = Pass::of(device, Shader::at("frame/reflective"), &[])?;
         let lights = &world.gpu_lights;
         let mut resources = seen_bindings(&image, &world.materials);
         resources

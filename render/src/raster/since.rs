@@ -4,8 +4,7 @@ use super::attributes::seen_bindings;
 use super::frame::Frame;
 use crate::screen::Step;
 use deepshade_shaders::gpu::{self, GpuError, Pass, Stamps};
-use deepshade_shaders::wgsl::TILE;
-use deepshade_shaders::wgsl::frame::SINCE;
+use deepshade_shaders::wgsl::{Shader, TILE};
 
 /// How far each pixel's surface moved in the image since the frame before (x to the right, y up, pixels), its depth, and
 /// the depth that it had then; 0 where nothing is seen: `[4, height, width]` f32.
@@ -26,7 +25,7 @@ impl Since {
     pub fn new(device: &wgpu::Device, frame: &Frame) -> Result<Self, GpuError> {
         let (height, width) = (frame.gbuffer().height(), frame.gbuffer().width());
         let planes = gpu::empty::<f32>(device, "frame.since", Self::PLANES * height * width)?;
-        let pass = Pass::new(device, SINCE.name, &SINCE.source())?;
+        let pass = Pass::of(device, Shader::at("frame/since"), &[])?;
         let mut resources = seen_bindings(frame.image(), &frame.world().materials);
         resources.extend([frame.view_before(), &planes].map(|buffer| buffer.as_entire_binding()));
         let step = Step {

@@ -5,7 +5,7 @@ use super::material;
 use super::texture::Textures;
 use crate::scene::Material;
 use deepshade_shaders::gpu::{self, DEPTH_FORMAT, GpuError, RasterPass};
-use deepshade_shaders::wgsl::frame::SURFACE;
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::FrameView;
 
 /// Two targets of four words.
@@ -36,9 +36,8 @@ impl SurfacePass {
     /// # Errors
     /// If the device refuses.
     pub fn new(device: &wgpu::Device, materials: &[Material], textures: &Textures) -> Result<Self, GpuError> {
-        let source = SURFACE.source();
-        let pass =
-            RasterPass::new(device, SURFACE.name, &source, &Geometry::LAYOUTS, Some("surface"), &[WORDS; 2])?;
+        let shader = Shader::at("frame/surface");
+        let pass = RasterPass::new(device, shader, &Geometry::LAYOUTS, Some("surface"), &[WORDS; 2])?;
         let bind = |material: &Material| material::bind(device, &pass, material, textures, false);
         let materials = materials.iter().map(bind).collect::<Result<_, GpuError>>()?;
         Ok(Self { pass, materials })

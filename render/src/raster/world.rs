@@ -171,7 +171,7 @@ impl World {
 
     /// Of a pass that reads light that surfaces keep, in a clear scene and in one whose medium dims the lamps', the one that this
     /// scene wants, with its constants.
-    pub fn dimmed<'a>(&self, [clear, dimmed]: [&'a Shader; 2]) -> (&'a Shader, Vec<(&'static str, u32)>) {
+    pub fn dimmed(&self, [clear, dimmed]: [Shader; 2]) -> (Shader, Vec<(&'static str, u32)>) {
         let mut constants =
             [&self.glow.constants()[..], &[("LIGHTS", self.gpu_lights.count as u32)]].concat();
         if self.scene.medium.is_none() {

@@ -1,6 +1,6 @@
 //! The passes of a method, bound and ready to run as often as wanted.
 
-use super::{Inputs, ScreenMethod, View};
+use super::{Inputs, Resources, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass, Stamps};
 
 /// How many workgroups of a pass run.
@@ -105,14 +105,10 @@ impl Plan {
     ///
     /// # Errors
     /// If the device has no room, or refuses a binding.
-    pub fn new<M: ScreenMethod + ?Sized>(
-        method: &M,
-        inputs: &Inputs<'_>,
-        view: &View,
-    ) -> Result<Self, GpuError> {
-        let device = &method.gpu().device;
+    pub fn new(method: &ScreenMethod, inputs: &Inputs<'_>, view: &View) -> Result<Self, GpuError> {
+        let device = &method.device;
         let name = method.name();
-        let uniforms = method.uniforms(view);
+        let uniforms = method.technique.uniforms(view);
         let uniforms = uniforms
             .iter()
             .enumerate()
@@ -120,13 +116,15 @@ impl Plan {
         let uniforms: Vec<wgpu::Buffer> = uniforms.collect::<Result<_, GpuError>>()?;
         let count = method.effect().channels() * view.height * view.width;
         let output = gpu::empty::<f32>(device, &format!("{name}.output"), count)?;
-        let steps = method.steps(inputs, &uniforms, &output)?;
+        let Inputs { gbuffer, environment, world } = *inputs;
+        let to = Resources { device, gbuffer, environment, world, uniforms: &uniforms, output: &output };
+        let steps = method.technique.steps(&to)?;
         Ok(Self { label: format!("deepshade.{name}"), steps, uniforms, output })
     }
 
     /// Tells the passes of another view of the same size. Nothing is allocated on the GPU.
-    pub fn look<M: ScreenMethod + ?Sized>(&self, queue: &wgpu::Queue, method: &M, view: &View) {
-        for (buffer, bytes) in self.uniforms.iter().zip(method.uniforms(view)) {
+    pub fn look(&self, queue: &wgpu::Queue, method: &ScreenMethod, view: &View) {
+        for (buffer, bytes) in self.uniforms.iter().zip(method.technique.uniforms(view)) {
             queue.write_buffer(buffer, 0, &bytes);
         }
     }

@@ -1,6 +1,6 @@
 //! Methods on the processor, where they have a version in vector instructions.
 
-use super::{PlainInputs, ScreenMethod, View, Written};
+use super::{PlainInputs, Technique, View, Written};
 use crate::method::{Clock, Repeats, Shaded};
 use crate::processor_name;
 use deepshade_shaders::{MissingAttribute, Planes, lists};
@@ -10,8 +10,8 @@ use web_time::Instant;
 ///
 /// # Errors
 /// If the g-buffer lacks an attribute.
-pub fn shade<M: ScreenMethod + ?Sized>(
-    method: &M,
+pub fn shade(
+    technique: &dyn Technique,
     inputs: &PlainInputs<'_>,
     view: &View,
     repeats: Repeats,
@@ -20,7 +20,7 @@ pub fn shade<M: ScreenMethod + ?Sized>(
     let mut image = Vec::new();
     for run in 0..repeats.warm_up + repeats.timed.max(1) {
         let start = Instant::now();
-        let written: Written = match method.on_processor(inputs, view)? {
+        let written: Written = match technique.on_processor(inputs, view)? {
             Ok(written) => written,
             Err(missing) => return Some(Err(missing)),
         };
@@ -30,7 +30,7 @@ pub fn shade<M: ScreenMethod + ?Sized>(
         image = written.into_iter().next_back().unwrap_or_default();
     }
     Some(Ok(Shaded {
-        image: Planes::from_data(method.effect().channels(), view.height, view.width, image),
+        image: Planes::from_data(technique.about().effect.channels(), view.height, view.width, image),
         milliseconds: lists::median(times),
         clock: Clock::Cpu,
         device: processor_name().unwrap_or_else(|| "unknown processor".to_owned()),

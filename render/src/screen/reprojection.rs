@@ -10,8 +10,7 @@ mod tests;
 
 use super::Step;
 use deepshade_shaders::gpu::{self, GpuError, Pass, Stamps};
-use deepshade_shaders::wgsl::frame::REPROJECT;
-use deepshade_shaders::wgsl::{TILE, uniforms};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,9 +77,8 @@ impl Reprojection {
         let since_before_that = planes("reprojection.since_before_that", 4)?;
         let history = planes("reprojection.history", channels)?;
         let output = planes("reprojection.output", channels)?;
-        let source = REPROJECT.specialised(&[("CHANNELS", channels as u32)]);
         let buffers = [&uniform, current, &history, since, &since_before_that, &output];
-        let pass = Pass::new(device, REPROJECT.name, &source)?
+        let pass = Pass::of(device, Shader::at("frame/reproject"), &[("CHANNELS", channels as u32)])?
             .bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))?;
         let mix = Step { pass, workgroups: gpu::groups(height, width, TILE).into() };
         Ok(Self {

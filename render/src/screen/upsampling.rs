@@ -4,7 +4,7 @@
 use super::{GpuGBuffer, MethodStep};
 use crate::methods::Surface;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{TILE, frame::UPSAMPLE, uniforms};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::{IVec2, Vec2};
 
@@ -30,8 +30,7 @@ pub fn step(
     (small_gbuffer, small): (&GpuGBuffer, &wgpu::Buffer),
     (gbuffer, image): (&GpuGBuffer, &wgpu::Buffer),
 ) -> Result<MethodStep, GpuError> {
-    let pass =
-        Pass::new(device, UPSAMPLE.name, &UPSAMPLE.specialised(&[("CHANNELS", effect.channels() as u32)]))?;
+    let pass = Pass::of(device, Shader::at("frame/upsample"), &[("CHANNELS", effect.channels() as u32)])?;
     let [size, small_size] = [gbuffer, small_gbuffer].map(|of| [of.height(), of.width()]);
     let settings = gpu::uniform(device, "upsampling", &settings(size, small_size, effect))?;
     let [full, few] = [gbuffer, small_gbuffer]

@@ -3,9 +3,9 @@
 
 use super::{HEIGHT, LEAF, Lit, MOST, Patch, Surfel, groups, vertices};
 use crate::raster::World;
-use crate::screen::{MethodStep, Workgroups};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, uniforms};
+use crate::screen::{Device, MethodStep, Workgroups};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use wgpu::BufferUsages;
 
 /// Numbers that a pass sums up.
@@ -13,20 +13,6 @@ const BLOCK: usize = 64;
 /// Byte of [`Cloud::totals`] at which the workgroups for one invocation a surfel stand, and for one a leaf.
 pub(crate) const SURFEL_GROUPS: u64 = 8;
 const LEAF_GROUPS: u64 = 20;
-
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    vertices: Pass,
-    measure: Pass,
-    sum: Pass,
-    total: Pass,
-    begin: Pass,
-    place: Pass,
-    leaves: Pass,
-    tree: Tree,
-    parents: Pass,
-}
 
 /// Which surfels the tree leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,91 +56,6 @@ pub struct Uniforms<'a> {
     pub view: &'a wgpu::Buffer,
 }
 
-impl Passes {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device, tree: Tree) -> Result<Self, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        let leaves = match tree {
-            Tree::All => &wgsl::SURFELS_LEAVES,
-            Tree::Lit => &wgsl::SURFELS_LIT_LEAVES,
-        };
-        Ok(Self {
-            vertices: vertices::pass(device)?,
-            measure: pass(&wgsl::SURFELS_MEASURE)?,
-            sum: pass(&wgsl::SURFELS_SUM)?,
-            total: pass(&wgsl::SURFELS_TOTAL)?,
-            begin: pass(&wgsl::SURFELS_BEGIN)?,
-            place: pass(&wgsl::SURFELS_PLACE)?,
-            leaves: pass(leaves)?,
-            tree,
-            parents: pass(&wgsl::SURFELS_PARENTS)?,
-        })
-    }
-
-    /// The passes that make surfels, in order.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn surfel_steps(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        cloud: &Cloud,
-        Uniforms { settings, view }: Uniforms<'_>,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let Cloud { vertices, patches, amounts, starts, totals, surfels, sums: [blocks, all], count, .. } =
-            cloud;
-        let step = |pass: &Pass, invocations: usize, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
-            MethodStep::bind(device, pass, groups(invocations), reads, writes)
-        };
-        let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
-        let place = [settings, vertices, patches, amounts, starts, totals];
-        let counted = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
-        let mut steps = vertices::steps(device, &self.vertices, [view, &world.geometry.posed, vertices])?;
-        steps.extend([
-            step(&self.measure, *count, &[settings, view, vertices, patches], &[amounts, starts])?,
-            step(&self.sum, in_blocks, &[starts], &[blocks])?,
-            step(&self.sum, in_all, &[blocks], &[all])?,
-            step(&self.total, 1, &[], &[all, totals])?,
-            step(&self.begin, in_all, &[all], &[blocks])?,
-            step(&self.begin, in_blocks, &[blocks], &[starts])?,
-            MethodStep::bind(device, &self.place, counted, &place, &[surfels])?,
-        ]);
-        Ok(steps)
-    }
-
-    /// The passes that put a tree over them; `levels` are uniforms of the heights from 1 on.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn tree_steps(
-        &self,
-        device: &wgpu::Device,
-        cloud: &Cloud,
-        levels: &[wgpu::Buffer],
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let Cloud { totals, surfels, sent, nodes, .. } = cloud;
-        let counted = Workgroups::Counted(totals.clone(), LEAF_GROUPS);
-        let light = sent.iter().filter(|_| self.tree == Tree::Lit).map(|sent| (3, sent));
-        let reads: Vec<_> = [(0, totals), (1, surfels)].into_iter().chain(light).collect();
-        let mut steps = vec![MethodStep::bind_at(device, &self.leaves, counted, &reads, &[(2, nodes)])?];
-        for (height, level) in (1..).zip(levels) {
-            let nodes_there = 1 << (2 * (HEIGHT - height));
-            steps.push(MethodStep::bind(
-                device,
-                &self.parents,
-                groups(nodes_there),
-                &[level, totals],
-                &[nodes],
-            )?);
-        }
-        Ok(steps)
-    }
-}
-
 /// Uniforms of the levels of the tree that are made of the ones below.
 pub fn tree_levels() -> impl Iterator<Item = uniforms::TreeLevel> {
     (1..=HEIGHT).map(|height| uniforms::TreeLevel { height })
@@ -187,6 +88,77 @@ impl Cloud {
             ],
             count,
         })
+    }
+
+    /// The passes that make surfels, in order.
+    ///
+    /// # Errors
+    /// If the device refuses a pass or a binding.
+    pub fn surfel_steps(
+        &self,
+        device: &Device,
+        world: &World,
+        Uniforms { settings, view }: Uniforms<'_>,
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let Self { vertices, patches, amounts, starts, totals, surfels, sums: [blocks, all], count, .. } =
+            self;
+        let step = |shader, invocations: usize, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
+            MethodStep::bind(device, &device.pass(shader, &[])?, groups(invocations), reads, writes)
+        };
+        let [in_blocks, in_all] = [count.div_ceil(BLOCK), count.div_ceil(BLOCK * BLOCK)];
+        let place = [settings, vertices, patches, amounts, starts, totals];
+        let counted = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
+        let mut steps = vertices::steps(device, [view, &world.geometry.posed, vertices])?;
+        steps.extend([
+            step(
+                Shader::at("surfels/measure"),
+                *count,
+                &[settings, view, vertices, patches],
+                &[amounts, starts],
+            )?,
+            step(Shader::at("surfels/sum"), in_blocks, &[starts], &[blocks])?,
+            step(Shader::at("surfels/sum"), in_all, &[blocks], &[all])?,
+            step(Shader::at("surfels/total"), 1, &[], &[all, totals])?,
+            step(Shader::at("surfels/begin"), in_all, &[all], &[blocks])?,
+            step(Shader::at("surfels/begin"), in_blocks, &[blocks], &[starts])?,
+            MethodStep::bind(
+                device,
+                &device.pass(Shader::at("surfels/place"), &[])?,
+                counted,
+                &place,
+                &[surfels],
+            )?,
+        ]);
+        Ok(steps)
+    }
+
+    /// The passes that put a tree over them; `levels` are uniforms of the heights from 1 on.
+    ///
+    /// # Errors
+    /// If the device refuses a pass or a binding.
+    pub fn tree_steps(
+        &self,
+        device: &Device,
+        tree: Tree,
+        levels: &[wgpu::Buffer],
+    ) -> Result<Vec<MethodStep>, GpuError> {
+        let Self { totals, surfels, sent, nodes, .. } = self;
+        let counted = Workgroups::Counted(totals.clone(), LEAF_GROUPS);
+        let light = sent.iter().filter(|_| tree == Tree::Lit).map(|sent| (3, sent));
+        let reads: Vec<_> = [(0, totals), (1, surfels)].into_iter().chain(light).collect();
+        let leaves = match tree {
+            Tree::All => Shader::at("surfels/leaves"),
+            Tree::Lit => Shader::at("surfels/lit_leaves"),
+        };
+        let parents = device.pass(Shader::at("surfels/parents"), &[])?;
+        let leaves = device.pass(leaves, &[])?;
+        let mut steps = vec![MethodStep::bind_at(device, &leaves, counted, &reads, &[(2, nodes)])?];
+        for (height, level) in (1..).zip(levels) {
+            let nodes_there = 1 << (2 * (HEIGHT - height));
+            let reads = [level, totals];
+            steps.push(MethodStep::bind(device, &parents, groups(nodes_there), &reads, &[nodes])?);
+        }
+        Ok(steps)
     }
 
     /// How many surfels there are in the last frame, and how many there would be with room for all.

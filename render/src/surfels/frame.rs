@@ -1,11 +1,11 @@
-//! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their tree.
+//! Everything that lays out a frame's surfels, in order: the surfels, their light where it is wanted, their
+//! tree.
 
-use super::cloud::{self, Cloud};
+use super::cloud::{self, Cloud, Tree};
 use super::light::{self, Lit};
-use super::{HEIGHT, Parameters, Passes};
+use super::{HEIGHT, Parameters};
 use crate::raster::World;
-use crate::raster::view::perspective;
-use crate::screen::{MethodStep, View};
+use crate::screen::{Device, MethodStep, View};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 
@@ -14,42 +14,28 @@ pub const UNIFORMS: usize = 2 + HEIGHT as usize;
 
 /// The contents of the passes' uniform buffers.
 pub fn uniforms(parameters: &Parameters, view: &View) -> impl Iterator<Item = Vec<u8>> {
-    let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
-    let first = [bytes_of(&parameters.settings(view)).to_vec(), bytes_of(&camera).to_vec()];
+    let first = [bytes_of(&parameters.settings(view)).to_vec(), bytes_of(&view.perspective()).to_vec()];
     first.into_iter().chain(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()))
 }
 
-/// The scene of a method that looks beyond the screen.
+/// The surfels of a scene, and the passes that lay them out, light them and put a tree over those that
+/// matter; `uniforms` are the [`UNIFORMS`].
 ///
 /// # Errors
-/// If there is none.
-pub fn scene(world: Option<&World>) -> Result<&World, GpuError> {
-    let missing = || GpuError::Refused {
-        label: "deepshade.scene".to_owned(),
-        what: "there is no scene whose surface a method could read".to_owned(),
-    };
-    world.ok_or_else(missing)
-}
-
-/// The surfels of a scene, and the passes that lay them out; `uniforms` are the [`UNIFORMS`].
-///
-/// # Errors
-/// If there is no scene, or the device has no room.
+/// If the device has no room, or refuses a pass.
 pub fn steps(
-    passes: &Passes,
-    device: &wgpu::Device,
-    world: Option<&World>,
+    device: &Device,
+    world: &World,
     uniforms: &[wgpu::Buffer],
+    tree: Tree,
     lit: Option<Lit>,
 ) -> Result<(Cloud, Vec<MethodStep>), GpuError> {
-    let world = scene(world)?;
-    let [settings, view, tree @ ..] = uniforms else { unreachable!("surfels and view come first") };
+    let [settings, view, levels @ ..] = uniforms else { unreachable!("surfels and view come first") };
     let cloud = Cloud::new(device, world, lit)?;
-    let uniforms = cloud::Uniforms { settings, view };
-    let mut steps = passes.surfel_steps(device, world, &cloud, uniforms)?;
+    let mut steps = cloud.surfel_steps(device, world, cloud::Uniforms { settings, view })?;
     if let (Some(lit), Some(sent)) = (lit, &cloud.sent) {
         steps.extend(light::steps(device, world, lit, &cloud, [view, sent])?);
     }
-    steps.extend(passes.tree_steps(device, &cloud, tree)?);
+    steps.extend(cloud.tree_steps(device, tree, levels)?);
     Ok((cloud, steps))
 }

@@ -11,9 +11,9 @@ use crate::phosphor::paint::MOST_STATES;
 use crate::raster::World;
 use crate::raster::glow::Keeping;
 use crate::scene::Glow;
-use crate::screen::{MethodStep, Workgroups};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl;
+use crate::screen::{Device, MethodStep, Workgroups};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 
 /// The power of two that what surfels give back has at most.
 const FULL: f32 = 15.0;
@@ -23,7 +23,7 @@ const FULL: f32 = 15.0;
 /// # Errors
 /// If the device refuses, or has no room.
 pub fn steps(
-    device: &wgpu::Device,
+    device: &Device,
     world: &World,
     cloud: &Cloud,
     sent: &wgpu::Buffer,
@@ -37,7 +37,7 @@ pub fn steps(
     let painted_there = gpu::storage(device, "surfels.painted", &painted)?;
     let keeping = Keeping {
         euler: 0,
-        shaders: [&wgsl::SURFELS_KEEP, &wgsl::SURFELS_KEEP_DIMMED],
+        shaders: [Shader::at("surfels/keep"), Shader::at("surfels/keep_dimmed")],
         keepers: [&cloud.patches, &painted_there],
         count: painted.len(),
         states: &states,
@@ -46,8 +46,7 @@ pub fn steps(
     let mut steps = poses.collect::<Result<Vec<_>, _>>()?.concat();
     let unit = unit(world.glow.glow());
     let constants = [("STATES", world.glow.states() as u32), world.glow.paint_states(), unit];
-    let source = wgsl::SURFELS_GIVE_BACK.specialised(&constants);
-    let pass = Pass::new(device, wgsl::SURFELS_GIVE_BACK.name, &source)?;
+    let pass = device.pass(Shader::at("surfels/give_back"), &constants)?;
     let reads = [&world.glow.paints, &painted_there, &cloud.starts, &cloud.totals, &cloud.surfels, &states];
     let groups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
     steps.push(MethodStep::bind(device, &pass, groups, &reads, &[sent])?);
@@ -58,9 +57,8 @@ pub fn steps(
 ///
 /// # Errors
 /// If the device refuses.
-pub fn in_watts(device: &wgpu::Device, world: &World, image: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
-    let source = wgsl::SURFELS_IN_WATTS.specialised(&[unit(world.glow.glow())]);
-    let pass = Pass::new(device, wgsl::SURFELS_IN_WATTS.name, &source)?;
+pub fn in_watts(device: &Device, world: &World, image: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
+    let pass = device.pass(Shader::at("surfels/in_watts"), &[unit(world.glow.glow())])?;
     let values = (image.size() / 4) as usize;
     MethodStep::bind(device, &pass, groups(values), &[], &[image])
 }

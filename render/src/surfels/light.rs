@@ -6,9 +6,9 @@ use super::kept;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{MethodStep, Step, Workgroups};
-use deepshade_shaders::gpu::{GpuError, Pass};
-use deepshade_shaders::wgsl;
+use crate::screen::{Device, MethodStep, Step, Workgroups};
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::Shader;
 
 /// What of the lights surfels send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub enum Lit {
 /// # Errors
 /// If the device refuses it.
 pub fn ending(
-    device: &wgpu::Device,
+    device: &Device,
     world: &World,
     lit: Option<Lit>,
     image: &wgpu::Buffer,
@@ -50,7 +50,7 @@ pub fn kept_unit(world: &World) -> (&'static str, u32) {
 /// # Errors
 /// If the device refuses one, or has no room.
 pub fn steps(
-    device: &wgpu::Device,
+    device: &Device,
     world: &World,
     lit: Lit,
     cloud: &Cloud,
@@ -59,14 +59,14 @@ pub fn steps(
     let count = ("LIGHTS", world.gpu_lights.count as u32);
     let (shader, constants) = match lit {
         Lit::Kept => return kept::steps(device, world, cloud, sent),
-        Lit::Reflected => (&wgsl::SURFELS_REFLECTED, vec![count]),
+        Lit::Reflected => (Shader::at("surfels/reflected"), vec![count]),
         Lit::Dimmed { is_grey } => {
             let grey = ("GREY", u32::from(is_grey));
-            (&wgsl::SURFELS_DIMMED, vec![count, ("MEDIUM", world.medium.kind), grey])
+            (Shader::at("surfels/dimmed"), vec![count, ("MEDIUM", world.medium.kind), grey])
         }
-        Lit::Received => (&wgsl::SURFELS_RECEIVED, vec![count]),
+        Lit::Received => (Shader::at("surfels/received"), vec![count]),
     };
-    let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+    let pass = device.pass(shader, &constants)?;
     let Lights { shining, map_views, pictures, .. } = &world.gpu_lights;
     let Cloud { patches, starts, totals, surfels, .. } = cloud;
     let sampler = shadow_sampler(device);

@@ -32,7 +32,7 @@ mod surfel;
 mod tests;
 pub mod vertices;
 
-pub use cloud::{Cloud, Passes, Tree};
+pub use cloud::{Cloud, Tree};
 pub use emission::Emission;
 pub use light::Lit;
 pub use patch::Patch;

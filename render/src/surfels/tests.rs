@@ -2,13 +2,13 @@
 
 use super::patches::{area_of, of_scene};
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Passes, Patch, Surfel, Tree, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Patch, Surfel, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
 use crate::raster::view::perspective;
 use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};
-use crate::screen::{MethodStep, View};
+use crate::screen::{Device, MethodStep, View};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::wgsl::uniforms;
 use glam::{Mat3, Vec3};
@@ -131,7 +131,6 @@ struct Made {
 fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made {
     let Gpu { device, queue, .. } = gpu;
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
-    let passes = Passes::new(device, Tree::All).expect("valid shaders");
     let cloud = Cloud::new(device, &world, None).expect("room");
     let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
     let settings = gpu::uniform(device, "settings", &parameters.settings(view)).expect("room");
@@ -139,8 +138,9 @@ fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made 
     let level = |level: uniforms::TreeLevel| gpu::uniform(device, "level", &level).expect("room");
     let levels: Vec<wgpu::Buffer> = cloud::tree_levels().map(level).collect();
     let uniforms = cloud::Uniforms { settings: &settings, view: &camera };
-    let mut steps = passes.surfel_steps(device, &world, &cloud, uniforms).expect("bindings");
-    steps.extend(passes.tree_steps(device, &cloud, &levels).expect("bindings"));
+    let compiler = Device::new(device);
+    let mut steps = cloud.surfel_steps(&compiler, &world, uniforms).expect("bindings");
+    steps.extend(cloud.tree_steps(&compiler, Tree::All, &levels).expect("bindings"));
     gpu::submit(device, queue, "test", |encoder| {
         steps.iter().for_each(|MethodStep { step, .. }| step.encode(encoder, "test", None));
     })

@@ -3,9 +3,9 @@
 
 use super::groups;
 use crate::raster::geometry::POSED;
-use crate::screen::{MethodStep, Step, Workgroups};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl;
+use crate::screen::{Device, MethodStep, Step, Workgroups};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 use std::num::NonZeroU64;
 
 /// Bytes of a vertex that is drawn.
@@ -23,23 +23,15 @@ pub fn room(device: &wgpu::Device, posed: &wgpu::Buffer) -> Result<wgpu::Buffer,
     gpu::empty::<[f32; 3]>(device, "surfels.vertices", (posed.size() / DRAWN) as usize)
 }
 
-/// The compiled pass.
-///
-/// # Errors
-/// If the device refuses it.
-pub fn pass(device: &wgpu::Device) -> Result<Pass, GpuError> {
-    Pass::new(device, wgsl::SURFELS_VERTICES.name, &wgsl::SURFELS_VERTICES.source())
-}
-
 /// The pass bound to as many vertices at a time as one binding can hold; `view` is that of the camera.
 ///
 /// # Errors
-/// If the device refuses a binding.
+/// If the device refuses the pass or a binding.
 pub fn steps(
-    device: &wgpu::Device,
-    pass: &Pass,
+    device: &Device,
     [view, posed, vertices]: [&wgpu::Buffer; 3],
 ) -> Result<Vec<MethodStep>, GpuError> {
+    let pass = device.pass(Shader::at("surfels/vertices"), &[])?;
     let count = posed.size() / DRAWN;
     let at_once = device.limits().max_storage_buffer_binding_size / DRAWN / ALIGNMENT * ALIGNMENT;
     let part = |first: u64| {

@@ -5,8 +5,8 @@ use crate::build::{Builder, write};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{self, Method};
+use deepshade_render::methods::phosphor::Parameters;
 use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_around};
-use deepshade_render::methods::phosphor::{Parameters, RateEquation};
 use deepshade_render::past;
 use deepshade_render::path::phosphor::{Afterglow, Place};
 use deepshade_render::path::{self, Sampling, Shot};
@@ -116,9 +116,9 @@ fn kept_light_moves_and_bends_with_its_surface() {
     let mut animated = AnimatedScene::load(&SceneSource::File(path.clone()), 0.0).expect("a file");
     animated.scene.glow = Some(Arc::new(glow()));
 
-    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, TEXELS);
     let mut attributes = vec![Attribute::Light, Attribute::DiffuseLight];
-    attributes.extend(ScreenMethod::attributes(&method));
+    attributes.extend(method.attributes());
     let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(2048) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let view = View { height: SIZE, width: SIZE, camera: camera(), radius: 1.0, seed: 0 };
@@ -234,9 +234,9 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
 
     // And so on the GPU, in a still and in frames.
     let gpu = Gpu::new().expect("an adapter");
-    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, TEXELS);
     let camera = Camera::look_at(Vec3::new(0.0, 1.6, 3.0), Vec3::new(0.0, 0.4, 0.0));
-    let gbuffer = gbuffer::render(&scene, &camera, SIZE, SIZE, ScreenMethod::attributes(&method));
+    let gbuffer = gbuffer::render(&scene, &camera, SIZE, SIZE, method.attributes());
     let seen = method::Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 };
     let still = method.shade(&seen, method::Repeats::ONCE).expect("an image").image;
     let shot = Shot::new(&scene, &camera, [SIZE, SIZE], 1.0);
@@ -259,7 +259,7 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
 
     let glowing = AnimatedScene { scene: now, rigs: animated.rigs };
-    let attributes = ScreenMethod::attributes(&method).to_vec();
+    let attributes = method.attributes().to_vec();
     let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let mut frame = Frame::new(&gpu, &glowing, &settings).expect("a frame");
     // Texels of the plate are for its size later: its diagonal of 1.41 m over a 120th of that of the scene, 5.7 m.
@@ -297,9 +297,9 @@ fn kept_light_is_that_of_lamps_as_they_are_given() {
     let dim = lamp.brighter(0.2);
     animated.scene.glow = Some(Arc::new(glow()));
     let gpu = Gpu::new().expect("an adapter");
-    let method = RateEquation::new(&gpu, TEXELS).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, TEXELS);
     let camera = Camera::look_at(Vec3::new(0.0, 1.6, 3.0), Vec3::new(0.0, 0.4, 0.0));
-    let attributes = ScreenMethod::attributes(&method).to_vec();
+    let attributes = method.attributes().to_vec();
     let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
     // The last of frames, each under a lamp at a moment.

@@ -3,10 +3,11 @@
 use crate::build::{Builder, write};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
-use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
+use deepshade_render::methods::disks::Disks;
+use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
-use deepshade_render::screen::{GpuGBuffer, Inputs, MethodStep, Plan, View};
+use deepshade_render::screen::{Device, GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View};
 use deepshade_render::surfels::{self, Surfel, Tree, frame, patches};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -88,12 +89,12 @@ fn posed(gpu: &Gpu, path: &Path, loaded: f32, time: f32) -> World {
 fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<(u32, Surfel)> {
     let Gpu { device, queue, .. } = gpu;
     let world = posed(gpu, path, 0.0, time);
-    let passes = surfels::Passes::new(device, Tree::All).expect("valid shaders");
     let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
     let uniforms: Vec<wgpu::Buffer> = frame::uniforms(&fine, &view(100.0))
         .map(|bytes| gpu::uniforms(device, "test", &bytes).expect("room"))
         .collect();
-    let (cloud, steps) = frame::steps(&passes, device, Some(&world), &uniforms, None).expect("room");
+    let (cloud, steps) =
+        frame::steps(&Device::new(device), &world, &uniforms, Tree::All, None).expect("room");
     gpu::submit(device, queue, "test", |encoder| {
         steps.iter().for_each(|MethodStep { step, .. }| step.encode(encoder, "test", None));
     })
@@ -168,7 +169,10 @@ fn a_frame_is_shaded_as_the_same_scene_that_stays() {
     let view = view(0.5);
     let gbuffer = gbuffer::render(&traced, &view.camera, HEIGHT, WIDTH, &ATTRIBUTES);
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, &ATTRIBUTES).expect("attributes");
-    let method = SurfelOcclusion::new(&gpu, surfel::Parameters::default().into()).expect("valid shaders");
+    let method = ScreenMethod::new(
+        &gpu,
+        Disks::new(surfel::Parameters::of(Quality::High), surfel::occlusion::OCCLUSION),
+    );
     let image = |world: &World| -> Vec<f32> {
         let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };
         let plan = Plan::new(&method, &inputs, &view).expect("room");

@@ -1,7 +1,7 @@
 //! What a device can do at best: the ceilings under which everything else is measured.
 
 use super::{BoundPass, GpuError, Pass, empty, storage, time};
-use crate::wgsl;
+use crate::wgsl::Shader;
 use std::time::Duration;
 use web_time::Instant;
 
@@ -63,7 +63,7 @@ fn copy(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, GpuError> {
     let bytes = COPIED.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size) as usize;
     let source = storage(device, "ceilings.source", &vec![1.0f32; bytes / size_of::<f32>()])?;
     let made = empty::<f32>(device, "ceilings.made", bytes / size_of::<f32>())?;
-    let pass = Pass::new(device, wgsl::COPY.name, &wgsl::COPY.source())?;
+    let pass = Pass::of(device, Shader::at("ceilings/copy"), &[])?;
     let pass = pass.bind(device, &[source.as_entire_binding(), made.as_entire_binding()])?;
     let timing = time(device, queue, "copy", 2, RUNS, |encoder| pass.dispatch(encoder, [1 << 14, 1, 1]))?;
     Ok(2.0 * bytes as f64 / (timing.milliseconds * 1e-3))
@@ -85,7 +85,7 @@ fn multiply_add(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<f64, GpuEr
 /// A pass that does nothing but multiply and add, in so many turns, with [`WORKGROUPS`].
 fn multiply_adds(device: &wgpu::Device, turns: u32) -> Result<BoundPass, GpuError> {
     let made = empty::<[f32; 4]>(device, "ceilings.sums", INVOCATIONS)?;
-    let pass = Pass::new(device, wgsl::FMA.name, &wgsl::FMA.specialised(&[("TURNS", turns)]))?;
+    let pass = Pass::of(device, Shader::at("ceilings/fma"), &[("TURNS", turns)])?;
     pass.bind(device, &[made.as_entire_binding()])
 }
 

@@ -1,7 +1,7 @@
 //! A compute pass: a shader, what is bound to it, and how many workgroups run.
 
 use super::{GpuError, PipelineCache, catch};
-use crate::wgsl::located;
+use crate::wgsl::{Shader, located};
 
 /// What every label begins with.
 const LABEL: &str = "deepshade.";
@@ -30,6 +30,14 @@ impl Pass {
     /// If the source or the pipeline is not valid.
     pub fn new(device: &wgpu::Device, label: &str, wgsl: &str) -> Result<Self, GpuError> {
         Self::cached(device, label, wgsl, None)
+    }
+
+    /// Compiles a shader under its name, with other values for some of its constants.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn of(device: &wgpu::Device, shader: Shader, constants: &[(&str, u32)]) -> Result<Self, GpuError> {
+        Self::new(device, &shader.name(), &shader.specialised(constants))
     }
 
     /// As [`Pass::new`], with what a cache remembers of the same source.

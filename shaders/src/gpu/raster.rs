@@ -2,7 +2,7 @@
 //! large.
 
 use super::{GpuError, catch};
-use crate::wgsl::located;
+use crate::wgsl::{Shader, located};
 
 /// Format of depth buffers.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -22,18 +22,17 @@ impl RasterPass {
     /// If the source or the pipeline is not valid.
     pub fn new(
         device: &wgpu::Device,
-        label: &str,
-        wgsl: &str,
+        shader: Shader,
         buffers: &[Option<wgpu::VertexBufferLayout<'_>>],
         fragment: Option<&str>,
         targets: &[wgpu::TextureFormat],
     ) -> Result<Self, GpuError> {
-        let label = format!("deepshade.{label}");
+        let (label, wgsl) = (format!("deepshade.{}", shader.name()), shader.source());
         let targets: Vec<_> = targets.iter().map(|format| Some((*format).into())).collect();
         let pipeline = catch(device, || {
             let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some(&label),
-                source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+                source: wgpu::ShaderSource::Wgsl((&wgsl).into()),
             });
             let compilation_options = wgpu::PipelineCompilationOptions::default();
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -64,7 +63,7 @@ impl RasterPass {
                 cache: None,
             })
         })
-        .map_err(|what| GpuError::Shader { label: label.clone(), what: located(&what, wgsl) })?;
+        .map_err(|what| GpuError::Shader { label: label.clone(), what: located(&what, &wgsl) })?;
         Ok(Self { label, pipeline })
     }
 

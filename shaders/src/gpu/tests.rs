@@ -1,7 +1,8 @@
 //! Passes that run, and mistakes that must come back as errors with a name.
 
 use super::{Gpu, GpuError, Pass, empty, groups, read, storage, submit, time, uniform};
-use crate::{random, wgsl};
+use crate::random;
+use crate::wgsl::Shader;
 
 const AFFINE: &str = "
     @group(0) @binding(0) var<storage, read> before: array<f32>;
@@ -131,7 +132,8 @@ fn absurd_sizes_are_errors_with_a_name() {
 #[test]
 fn what_is_wrong_with_a_shader_is_said_with_its_place_in_a_file() {
     let Gpu { device, .. } = gpu();
-    let (source, right) = (wgsl::BLUR.source(), "fn surface_valid(index: u32) -> bool {");
+    let (source, right) =
+        (Shader::at("methods/blur/smooth").source(), "fn surface_valid(index: u32) -> bool {");
     assert!(source.contains(right));
     let wrong = source.replace(right, "fn surface_valid(index: u32) -> boot {");
     let error = Pass::new(&device, "wrong", &wrong).expect_err("no such type").to_string();

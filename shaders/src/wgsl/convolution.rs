@@ -126,7 +126,7 @@ impl Convolution {
         };
         let files = [vec![staging, outputs, "convolution/main"], self.reading_files(), self.writing.files()];
         let product = Product::of(&files.concat());
-        self.prelude() + &product.declarations() + &self.inputs() + &product.text
+        self.prelude() + &self.inputs() + &product.text
     }
 
     /// Bytes of memory that a workgroup shares.

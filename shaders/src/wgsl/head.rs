@@ -142,7 +142,7 @@ fn joined(constants: &[(&str, u32)], declared: &str, files: &[&'static str]) -> 
     for (name, value) in [("TILE", TILE)].iter().chain(constants) {
         writeln!(source, "const {name} = {value}u;").expect("writing to a string");
     }
-    source + &product.declarations() + declared + &product.text
+    source + declared + &product.text
 }
 
 #[cfg(test)]

@@ -1,37 +1,61 @@
 //! Puts a product together from WGSL files, which say in their first lines what they need:
 //!
 //! - `#import shared/surface`: another file, whose text comes before theirs, and once only.
-//! - `#uniform Slices`: a struct of [`uniforms`], declared as Rust has it.
 //! - `#constant HEIGHT = 8`: a whole number, which Rust may set otherwise.
+//! - `#template`: something that Rust writes, without which it is no shader.
 
 use super::place::Place;
-use super::uniforms::{self, Layout};
+use std::collections::BTreeSet;
 
 include!(concat!(env!("OUT_DIR"), "/wgsl_files.rs"));
 
-/// What there is to import.
-struct Library {
-    /// Names and texts.
-    files: &'static [(&'static str, &'static str)],
-    layouts: &'static [&'static [Layout]],
-}
+/// What there is to import: names and texts.
+#[derive(Clone, Copy)]
+struct Library(&'static [(&'static str, &'static str)]);
 
-static LIBRARY: Library = Library { files: FILES, layouts: uniforms::ALL };
+const LIBRARY: Library = Library(FILES);
 
 /// Every file of `shaders/wgsl`, in order.
-#[cfg(test)]
 pub(super) fn files() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|(file, _)| *file)
 }
 
+/// Files that no other imports.
+pub(super) fn roots() -> impl Iterator<Item = &'static str> {
+    let imports = FILES.iter().flat_map(|(_, text)| text.lines().filter_map(Directive::parse));
+    let imported: BTreeSet<_> = imports.filter_map(|directive| directive.imported()).collect();
+    files().filter(move |file| !imported.contains(file))
+}
+
+/// Whether there is such a file.
+pub(super) const fn is_file(file: &str) -> bool {
+    let mut index = 0;
+    while index < FILES.len() {
+        if is_same(FILES[index].0.as_bytes(), file.as_bytes()) {
+            return true;
+        }
+        index += 1;
+    }
+    false
+}
+
+/// Whether two texts are the same: constants cannot compare slices.
+const fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let mut index = 0;
+    while index < one.len() && index < other.len() && one[index] == other[index] {
+        index += 1;
+    }
+    index == one.len() && index == other.len()
+}
+
 impl Library {
-    fn text(&self, file: &str) -> Result<&'static str, String> {
-        let found = self.files.iter().find(|(name, _)| *name == file);
+    fn text(self, file: &str) -> Result<&'static str, String> {
+        let found = self.0.iter().find(|(name, _)| *name == file);
         found.map(|(_, text)| *text).ok_or_else(|| format!("no file `{file}`"))
     }
 
     /// Whether a file can be imported by the last of `open`, each of which imports the next one.
-    fn check(&self, file: &str, open: &[&str]) -> Result<(), String> {
+    fn check(self, file: &str, open: &[&str]) -> Result<(), String> {
         if open.contains(&file) {
             return Err(format!("`{file}` imports itself: {} > {file}", open.join(" > ")));
         }
@@ -55,11 +79,10 @@ pub(super) struct Constant {
 pub(super) struct Product {
     /// What they state as constants.
     pub constants: Vec<Constant>,
-    /// Uniform structs that they use.
-    pub uniforms: Vec<Layout>,
     /// Their texts.
     pub text: String,
     files: Vec<&'static str>,
+    is_template: bool,
 }
 
 impl Product {
@@ -68,15 +91,15 @@ impl Product {
     /// # Panics
     /// If there is no such file, or one imports what there is not. A test puts together all that there are.
     pub(super) fn of(files: &[&'static str]) -> Self {
-        Self::joined(&LIBRARY, files).expect("what WGSL files import is there")
+        Self::joined(LIBRARY, files).expect("what WGSL files import is there")
     }
 
-    /// The uniform structs in WGSL.
-    pub(super) fn declarations(&self) -> String {
-        self.uniforms.iter().map(Layout::declaration).collect()
+    /// Whether it is a shader as it is.
+    pub(super) fn is_whole(&self) -> bool {
+        !self.is_template && ["@compute", "@vertex"].iter().any(|stage| self.text.contains(stage))
     }
 
-    fn joined(library: &Library, files: &[&'static str]) -> Result<Self, String> {
+    fn joined(library: Library, files: &[&'static str]) -> Result<Self, String> {
         let mut product = Self::default();
         for file in files {
             product.add(library, file, &mut Vec::new())?;
@@ -87,7 +110,7 @@ impl Product {
     /// Adds a file, unless it is there; `open` are those that import it, the first one first.
     fn add(
         &mut self,
-        library: &Library,
+        library: Library,
         file: &'static str,
         open: &mut Vec<&'static str>,
     ) -> Result<(), String> {
@@ -103,7 +126,7 @@ impl Product {
                     library.check(other, open).map_err(placed)?;
                     self.add(library, other, open)?;
                 }
-                Directive::Uniform(name) => self.declare(library, name).map_err(placed)?,
+                Directive::Template => self.is_template = true,
                 Directive::Constant(name, default) => {
                     self.state(Constant { name, default, place }).map_err(placed)?;
                 }
@@ -113,15 +136,6 @@ impl Product {
         self.files.push(file);
         self.text += "\n";
         self.text += &own;
-        Ok(())
-    }
-
-    fn declare(&mut self, library: &Library, name: &str) -> Result<(), String> {
-        let layout = library.layouts.iter().copied().flatten().find(|layout| layout.name == name);
-        let layout = layout.ok_or_else(|| format!("no uniform struct `{name}`"))?;
-        if !self.uniforms.iter().any(|other| other.name == name) {
-            self.uniforms.push(*layout);
-        }
         Ok(())
     }
 
@@ -141,16 +155,20 @@ impl Product {
 /// What a file says that it needs.
 enum Directive {
     Import(&'static str),
-    Uniform(&'static str),
     Constant(&'static str, u32),
+    Template,
 }
 
 impl Directive {
+    const fn imported(&self) -> Option<&'static str> {
+        if let Self::Import(file) = self { Some(*file) } else { None }
+    }
+
     fn parse(line: &'static str) -> Option<Self> {
         let words: Vec<&str> = line.split_whitespace().collect();
         match words[..] {
             ["#import", file] => Some(Self::Import(file)),
-            ["#uniform", name] => Some(Self::Uniform(name)),
+            ["#template"] => Some(Self::Template),
             ["#constant", name, "=", default] => Some(Self::Constant(name, default.parse().ok()?)),
             _ => None,
         }

@@ -26,8 +26,7 @@ impl FinishedImage {
             "const TILE = {TILE}u;\nconst CHANNELS = {}u;\nconst LEAST = {least:?};\nconst MOST = {most:?};\n\
              const HAS_BACKGROUND = {has_background};\nconst BACKGROUND = {background:?};\n",
             self.channels
-        ) + &product.declarations()
-            + &product.text
+        ) + &product.text
     }
 }
 

@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 /// Binding of what a pass writes.
 pub const WRITTEN: u32 = 1;
-/// Binding of the sums over squares of pixels, which [`NET_SQUARES`](super::NET_SQUARES) writes.
+/// Binding of the sums over squares of pixels, which `net/squares` writes.
 pub const SQUARES: u32 = 2;
 /// Binding of the g-buffer's `valid`.
 pub const VALID: u32 = 3;
@@ -69,7 +69,7 @@ impl InputPass {
     /// The whole source. It reads a [`NetFrame`](super::uniforms::NetFrame) in binding 0.
     pub fn source(&self) -> String {
         let product = Product::of(&self.files());
-        let mut source = format!("const TILE = {TILE}u;\n") + &product.declarations();
+        let mut source = format!("const TILE = {TILE}u;\n");
         for (binding, attribute) in (FIRST_ATTRIBUTE..).zip(self.attributes()) {
             let planes = planes(attribute);
             writeln!(source, "@group(0) @binding({binding}) var<storage, read> {planes}: array<f32>;")

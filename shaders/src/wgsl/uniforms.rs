@@ -1,7 +1,7 @@
-//! Uniform structs that Rust fills and WGSL reads. The WGSL declaration is derived from the Rust struct; a test has
-//! naga confirm that both put every field at the same offset.
+//! Structs that Rust fills and WGSL reads. A struct of a WGSL file that is documented, by `///`, is one of them:
+//! `build.rs` collects them. A test has naga confirm that both put every field at the same offset.
 
-/// How a uniform struct lies in memory.
+/// How a struct lies in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
     /// Name of the struct, in Rust and in WGSL.
@@ -12,7 +12,7 @@ pub struct Layout {
     pub fields: &'static [Field],
 }
 
-/// One field of a uniform struct.
+/// One field of a struct.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// Name of the field, in Rust and in WGSL.
@@ -23,20 +23,11 @@ pub struct Field {
     pub offset: usize,
 }
 
-impl Layout {
-    /// The struct in WGSL.
-    pub fn declaration(&self) -> String {
-        let fields: Vec<String> =
-            self.fields.iter().map(|f| format!("    {}: {},\n", f.name, f.kind)).collect();
-        format!("struct {} {{\n{}}}\n", self.name, fields.concat())
-    }
-}
-
 /// Four numbers, which WGSL wants at multiples of 16 bytes.
 #[allow(non_camel_case_types, reason = "the name that WGSL has for it")]
-pub(crate) type vec4f = [f32; 4];
+type vec4f = [f32; 4];
 
-/// Declares uniform structs with their layouts, and a list of these. A field's type is `f32`, `u32`, `i32`
+/// Declares structs with their layouts, and a list of these. A field's type is `f32`, `u32`, `i32`
 /// or `vec4f`, each the same in WGSL.
 macro_rules! uniforms {
     ($($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $kind:ident,)* })*) => {
@@ -61,41 +52,9 @@ macro_rules! uniforms {
         })*
 
         /// How each of them lies in memory.
+        #[cfg(test)]
         pub(super) const LAYOUTS: &[Layout] = &[$($name::LAYOUT),*];
     };
 }
 
-mod frame;
-mod indirect;
-mod nets;
-mod occlusion;
-mod phosphor;
-mod post;
-mod surfels;
-mod volume;
-
-pub use frame::{Chosen, FrameView, LightRecord, MaterialRecord, Pose, Reprojection, Upsampling, Wipe};
-pub use indirect::Prefiltered;
-pub use nets::{NetFrame, NetLayer};
-pub use occlusion::{Blur, Hbao, Slices, Ssdo};
-pub use phosphor::{GlowCells, GlowLevel, GlowSamples, GlowStretch, GlowTile, PaintState};
-pub use post::{Fxaa, Gather, Reconstruction, RingGather, Separable};
-pub use surfels::{
-    BounceWindow, Bounces, FacetRays, FacetSlice, FacetSum, LevelSum, SplatLevel, Surfels, TreeLevel,
-};
-pub use volume::{
-    Epipolar, FogMarch, Froxels, Intervals, Iteration, LightGrid, Marching, MediumRecord, OfLamp,
-    Propagation, Pyramid, SplatPart, VolumeShell,
-};
-
-/// How all of them lie in memory.
-pub(super) const ALL: &[&[Layout]] = &[
-    frame::LAYOUTS,
-    indirect::LAYOUTS,
-    nets::LAYOUTS,
-    occlusion::LAYOUTS,
-    phosphor::LAYOUTS,
-    post::LAYOUTS,
-    surfels::LAYOUTS,
-    volume::LAYOUTS,
-];
+include!(concat!(env!("OUT_DIR"), "/uniforms.rs"));

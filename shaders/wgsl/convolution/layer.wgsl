@@ -4,7 +4,7 @@
 // OUTPUTS outputs of a tile of pixels, an invocation those of PIXELS_X x PIXELS_Y neighbours, so that it reads a weight
 // once for all of them and has at hand what 2x2 pooling needs.
 
-#uniform NetLayer
+#import uniforms/net_layer
 
 const RADIUS = i32(KERNEL / 2u);
 const TAPS = KERNEL * KERNEL;

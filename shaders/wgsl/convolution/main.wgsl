@@ -2,6 +2,7 @@
 // an array indexed by a loop's counter would lie in memory. A row of what the pixels see is read once: the lower row of
 // pixels sees in one row of the kernel what the upper one sees in the next.
 
+#template
 #import convolution/layer
 #import shared/net_window
 

@@ -1,7 +1,7 @@
 // A shadow map: depths alone.
 
 #import shared/view
-#uniform FrameView
+#import uniforms/frame_view
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 

@@ -1,8 +1,8 @@
 // A shadow map of surfaces with holes: where alpha is below the material's limit nothing stops the light.
 
 #import shared/view
-#uniform FrameView
-#uniform MaterialRecord
+#import uniforms/frame_view
+#import uniforms/material_record
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(1) @binding(0) var<uniform> material: MaterialRecord;

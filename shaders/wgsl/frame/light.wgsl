@@ -5,8 +5,8 @@
 #import shared/lights
 #import shared/seen
 #import shared/shadow
-#uniform FrameView
-#uniform LightRecord
+#import uniforms/frame_view
+#import uniforms/light_record
 #constant LIGHTS = 1
 
 const PI = 3.14159265;

@@ -2,7 +2,19 @@
 // and 3.7.3); and how far each goes while the shutter is open. What was its place becomes its place before.
 // The plain version is render/src/scene/gltf.
 
-#uniform Pose
+/// What `frame/pose` reads.
+struct Pose {
+    /// How many vertices move.
+    vertices: u32,
+    /// Workgroups in x; there may be more in y.
+    groups: u32,
+    /// Matrices of a moment.
+    matrices: u32,
+    /// Morph weights of a moment.
+    weights: u32,
+    /// 1 in the first frame, which has none before it.
+    first: u32,
+}
 
 @group(0) @binding(0) var<uniform> pose: Pose;
 // A vertex: position, normal, tangent with sign, 10 numbers.

@@ -4,8 +4,13 @@
 #import shared/lights
 #import shared/seen
 #import shared/view
-#uniform Chosen
-#uniform LightRecord
+#import uniforms/light_record
+
+/// Which light `frame/reflective` is of.
+struct Chosen {
+    /// Its index.
+    light: u32,
+}
 
 @group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(7) var<storage, read> pictures: array<u32>;

@@ -1,8 +1,23 @@
 // Temporal reprojection of any image, planes [CHANNELS, height, width]: what the frame before made of the surface that a
 // pixel shows, mixed with what this one makes. The plain version is render/src/screen/reprojection/reference.rs.
 
-#uniform Reprojection
 #constant CHANNELS = 1
+
+/// What `frame/reproject` reads.
+struct Reprojection {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// 1 in the first frame, which has none before it.
+    first: u32,
+    /// Share of this frame in what is made of it.
+    share: f32,
+    /// Difference in depth, as a share of it, above which a pixel showed another surface.
+    depth_tolerance: f32,
+    /// Standard deviations of the pixels around, beyond which what was is cut off.
+    clip: f32,
+}
 
 @group(0) @binding(0) var<uniform> mixing: Reprojection;
 @group(0) @binding(1) var<storage, read> current: array<f32>;

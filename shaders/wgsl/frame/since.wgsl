@@ -4,7 +4,7 @@
 
 #import shared/seen
 #import shared/view
-#uniform FrameView
+#import uniforms/frame_view
 
 // From where the frame before was seen.
 @group(0) @binding(6) var<uniform> before: FrameView;

@@ -3,8 +3,8 @@
 
 #import shared/packing
 #import shared/view
-#uniform FrameView
-#uniform MaterialRecord
+#import uniforms/frame_view
+#import uniforms/material_record
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(1) @binding(0) var<uniform> material: MaterialRecord;

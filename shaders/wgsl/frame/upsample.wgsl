@@ -3,8 +3,21 @@
 
 #import shared/surface
 #import shared/surface_valid
-#uniform Upsampling
 #constant CHANNELS = 1
+
+/// What `frame/upsample` reads.
+struct Upsampling {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Columns of the smaller one.
+    small_width: u32,
+    /// Rows of the smaller one.
+    small_height: u32,
+    /// The image where no surface is seen.
+    background: f32,
+}
 
 @group(0) @binding(0) var<uniform> settings: Upsampling;
 // Of the smaller image, as `shared/surface` has those of the full one.

@@ -1,6 +1,22 @@
 // Two images of one effect on the screen, one to the left of a border and one to the right, in the colours of a screen.
 
-#uniform Wipe
+/// What `frame/wipe` reads.
+struct Wipe {
+    /// Columns of the images.
+    width: u32,
+    /// Rows of the images.
+    height: u32,
+    /// Their channels: 1 or 3.
+    channels: u32,
+    /// Columns to the left of the border.
+    border: f32,
+    /// What light is multiplied by.
+    scale: f32,
+    /// How much brightness is compressed.
+    compression: f32,
+    /// How much of that is taken back.
+    stretch: f32,
+}
 
 @group(0) @binding(0) var<storage, read> left: array<f32>;
 @group(0) @binding(1) var<storage, read> right: array<f32>;

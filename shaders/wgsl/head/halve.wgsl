@@ -2,7 +2,8 @@
 // that of the means; levels lie one after the other, planar `[CHANNELS, height, width]`,
 // after ESTIMATES planes of the finest level's frame.
 
-#uniform NetLayer
+#template
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 @group(0) @binding(3) var<storage, read_write> pyramid: array<f32>;

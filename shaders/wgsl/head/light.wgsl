@@ -1,7 +1,8 @@
 // The finest level of the pyramid that a head reads, and before it the estimate where there is one: channels
 // of the network's input, continued at bottom and right by their last row and column up to the frame.
 
-#uniform NetLayer
+#template
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 @group(0) @binding(3) var<storage, read_write> pyramid: array<f32>;

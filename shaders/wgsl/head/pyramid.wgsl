@@ -1,7 +1,8 @@
 // What heads read: what the last block makes, and a pyramid of an input at pixels between those of its
 // levels.
 
-#uniform NetLayer
+#template
+#import uniforms/net_layer
 
 @group(0) @binding(0) var<uniform> layer: NetLayer;
 // Planar, of the tile's frame on the last block's level: `layer.channels` rows of `layer.stride` columns.

@@ -1,6 +1,7 @@
 // An effect's image of what a run of a network made, both planar: in the light that the frame had before it
 // was scaled, within the effect's range, with the effect's background where no surface is seen.
 
+#template
 #import shared/net_frame
 #import shared/surface_valid
 

@@ -1,6 +1,7 @@
 // Channels of a network's input, planar `[channels, height, width]`: `write_channels`, which is generated,
 // writes those that this pass is for.
 
+#template
 #import shared/net_frame
 #import shared/surface_valid
 

@@ -5,7 +5,7 @@
 #import shared/mean_decay
 #import shared/medium
 #import shared/single_scattering
-#uniform LightRecord
+#import uniforms/light_record
 
 // Nearer to a lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it is infinitely
 // bright there.

@@ -3,7 +3,7 @@
 #import shared/glow_corners
 #import shared/lights
 #import shared/shadow
-#uniform LightRecord
+#import uniforms/light_record
 
 struct Place {
     position: vec3f,

@@ -2,7 +2,7 @@
 // points, drawn in from the triangle's edges by half a step: a texel on an edge would be in two surfaces. The same as
 // render/src/methods/phosphor/tile.rs.
 
-#uniform GlowTile
+#import uniforms/glow_tile
 
 fn tile_vertices(tile: GlowTile) -> vec3u {
     return vec3u(tile.corner_0, tile.corner_1, tile.corner_2);

@@ -2,7 +2,7 @@
 // states begin anew (1), for each lamp its schedule, and PIECES times how long no lamp is switched, seconds, and for each
 // schedule whether its lamps are on (1).
 
-#uniform PaintState
+#import uniforms/paint_state
 #constant LIGHTS = 1
 #constant SCHEDULES = 1
 

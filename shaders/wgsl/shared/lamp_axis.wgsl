@@ -1,7 +1,7 @@
 // Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike (Baran et al. 2010, section
 // 3). Passes bind `lights`, `view`, and of which lamp they are.
 
-#uniform OfLamp
+#import uniforms/of_lamp
 
 const DISTANT = 2.0;
 

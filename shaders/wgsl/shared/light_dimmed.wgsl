@@ -3,7 +3,7 @@
 #import shared/colours
 #import shared/lights
 #import shared/medium
-#uniform MediumRecord
+#import uniforms/medium_record
 
 @group(0) @binding(11) var<uniform> medium: MediumRecord;
 @group(0) @binding(12) var densities: texture_3d<f32>;

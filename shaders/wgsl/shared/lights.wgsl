@@ -1,6 +1,6 @@
 // What lights without an extent send to a point, as render/src/path/lights/arrival.rs has it.
 
-#uniform LightRecord
+#import uniforms/light_record
 
 const POINT = 0.0;
 const SPOT = 1.0;

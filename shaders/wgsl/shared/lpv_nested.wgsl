@@ -2,7 +2,7 @@
 // coarser one: render/src/lpv/grid.rs. NESTED says whether the grid is in a coarser one, FINER whether one is in it. Passes
 // bind `grid` and `finer`.
 
-#uniform LightGrid
+#import uniforms/light_grid
 #constant FINER = 1
 #constant NESTED = 1
 

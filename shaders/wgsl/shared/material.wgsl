@@ -1,6 +1,6 @@
 // What a material says of a point, as render/src/scene/material.rs has it.
 
-#uniform MaterialRecord
+#import uniforms/material_record
 
 const GLOSS_PHONG = 1.0;
 const GLOSS_NONE = 2.0;

@@ -1,6 +1,6 @@
 // How surfaces move in the image while the shutter is open.
 
-#uniform Reconstruction
+#import uniforms/reconstruction
 
 @group(0) @binding(0) var<uniform> settings: Reconstruction;
 // Planes [2, height, width]: direction, from x to the right towards y up, and length in pixels.

@@ -8,7 +8,7 @@
 // written out for the largest kernel, and what KERNEL makes superfluous falls away: an array indexed by a loop's
 // counter would lie in memory instead of registers, which takes twice the time on lavapipe.
 
-#uniform NetLayer
+#import uniforms/net_layer
 #constant KERNEL = 3
 
 const RADIUS = i32(KERNEL / 2u);

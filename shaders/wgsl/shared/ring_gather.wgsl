@@ -1,7 +1,7 @@
 // Circles of confusion of the picture's pixels.
 
 #import shared/picture
-#uniform RingGather
+#import uniforms/ring_gather
 
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(3) var<storage, read> depth_plane: array<f32>;

@@ -3,7 +3,7 @@
 // not shade themselves: by what a texel covers there, more where light grazes.
 
 #import shared/view
-#uniform LightRecord
+#import uniforms/light_record
 
 const CUBE = 6u;
 

@@ -4,7 +4,7 @@
 #import shared/lights
 #import shared/phase
 #import shared/shadow
-#uniform LightRecord
+#import uniforms/light_record
 
 const PI = 3.14159265;
 

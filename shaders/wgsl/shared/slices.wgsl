@@ -7,7 +7,26 @@
 #import shared/random
 #import shared/surface
 #import shared/surface_valid
-#uniform Slices
+
+/// What `shared/slices` reads.
+struct Slices {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Slices of a pixel.
+    slices: u32,
+    /// Most samples on either side of a slice.
+    steps: u32,
+    /// Chooses the random numbers.
+    seed: u32,
+    /// Radius within which a sample counts, metres.
+    radius: f32,
+    /// How thick everything is taken to be, metres.
+    thickness: f32,
+    /// Distance in pixels, at depth 1, of two points one unit apart.
+    focal_length: f32,
+}
 
 @group(0) @binding(0) var<uniform> slices: Slices;
 

@@ -6,7 +6,7 @@
 #import shared/surfel_form_factor
 #import shared/surfel_receiver
 #import shared/view
-#uniform FrameView
+#import uniforms/frame_view
 
 @group(0) @binding(8) var<uniform> view: FrameView;
 // Each direction's texel its mean radiance.

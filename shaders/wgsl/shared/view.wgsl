@@ -2,7 +2,7 @@
 // axes; depth is along the axis of sight, and depth buffers hold near / depth (perspective) or 1 - depth / far
 // (parallel), so that what is near is large.
 
-#uniform FrameView
+#import uniforms/frame_view
 
 fn to_view(offset: vec3f, view: FrameView) -> vec3f {
     return vec3f(dot(offset, view.right.xyz), dot(offset, view.up.xyz), dot(offset, view.back.xyz));

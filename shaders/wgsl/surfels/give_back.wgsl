@@ -5,7 +5,7 @@
 #import shared/surfel
 #import shared/surfel_order
 #import shared/surfel_record
-#uniform PaintState
+#import uniforms/paint_state
 #constant PAINT_STATES = 1
 #constant STATES = 1
 #constant UNIT = 128

@@ -8,8 +8,8 @@
 #import shared/surfel_patch_record
 #import shared/surfel_record
 #import shared/view
-#uniform FrameView
-#uniform LightRecord
+#import uniforms/frame_view
+#import uniforms/light_record
 #constant LIGHTS = 1
 
 @group(0) @binding(0) var<uniform> view: FrameView;

@@ -6,8 +6,8 @@
 #import shared/surfel
 #import shared/surfel_patch
 #import shared/surfel_patch_record
-#uniform FrameView
-#uniform Surfels
+#import uniforms/frame_view
+#import uniforms/surfels
 #constant HEIGHT = 8
 
 @group(0) @binding(0) var<uniform> settings: Surfels;

@@ -8,7 +8,7 @@
 #import shared/surfel_patch
 #import shared/surfel_patch_record
 #import shared/surfel_record
-#uniform Surfels
+#import uniforms/surfels
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
 @group(0) @binding(1) var<storage, read> vertices: array<f32>;

@@ -2,7 +2,7 @@
 // at once; what is drawn may be more than a binding holds, so that this pass runs over a part of it at a time.
 
 #import shared/view
-#uniform FrameView
+#import uniforms/frame_view
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 @group(0) @binding(1) var<storage, read> posed: array<f32>;

@@ -9,8 +9,7 @@ use super::table_number;
 use anyhow::{Context, Result};
 use deepshade::shared::figures::Figures;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::fog_march::{self, FogMarch};
-use deepshade_render::methods::gpu_epipolar::{self, GpuEpipolar};
+use deepshade_render::methods::{fog_march, gpu_epipolar};
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::raster::frame::{Frame, Settings, Stage};
 use deepshade_render::screen::{self, Inputs, Plan, ScreenMethod};
@@ -120,18 +119,17 @@ impl OnGpu {
 
 impl Duel {
     fn of(stand: &Stand<'_>, name: String) -> Result<Self> {
-        let truth = stand.image(&march(stand.gpu, REFERENCE_STEPS)?)?;
+        let truth = stand.image(&march(stand.gpu, REFERENCE_STEPS))?;
         let exposure = exposure(Effect::FogDirect, &truth);
         let truth = exposed(&truth, exposure);
-        let error = |method: &dyn ScreenMethod| {
+        let error = |method: &ScreenMethod| {
             anyhow::Ok(relative_mse(&exposed(&stand.image(method)?, exposure), &truth))
         };
-        let sums = GpuEpipolar::new(stand.gpu, gpu_epipolar::Parameters::of(Quality::High))
-            .context("gpu-epipolar")?;
+        let sums = ScreenMethod::new(stand.gpu, gpu_epipolar::Parameters::of(Quality::High));
         let sums = Measured { relmse: error(&sums)?, seconds: stand.seconds(&sums)? };
-        let is_enough = |steps| anyhow::Ok(error(&march(stand.gpu, steps)?)? <= sums.relmse);
+        let is_enough = |steps| anyhow::Ok(error(&march(stand.gpu, steps))? <= sums.relmse);
         let march = fewest(STEPS, is_enough)?.map(|steps| {
-            let march = march(stand.gpu, steps)?;
+            let march = march(stand.gpu, steps);
             anyhow::Ok((steps, Measured { relmse: error(&march)?, seconds: stand.seconds(&march)? }))
         });
         Ok(Self { name, sums, march: march.transpose()? })
@@ -143,8 +141,8 @@ impl Duel {
     }
 }
 
-fn march(gpu: &Gpu, steps: u32) -> Result<FogMarch> {
-    FogMarch::new(gpu, fog_march::Parameters { steps }).context("gpu-march")
+fn march(gpu: &Gpu, steps: u32) -> ScreenMethod {
+    ScreenMethod::new(gpu, fog_march::Parameters { steps })
 }
 
 impl<'a> Stand<'a> {
@@ -162,13 +160,13 @@ impl<'a> Stand<'a> {
         Ok(Self { gpu, frame, view, runs: if gpu.is_software() { 1 } else { RUNS } })
     }
 
-    fn plan(&self, method: &dyn ScreenMethod) -> Result<Plan> {
+    fn plan(&self, method: &ScreenMethod) -> Result<Plan> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
         Plan::new(method, &inputs, &self.view).with_context(|| method.name())
     }
 
-    fn image(&self, method: &dyn ScreenMethod) -> Result<Planes> {
+    fn image(&self, method: &ScreenMethod) -> Result<Planes> {
         let Gpu { device, queue, .. } = self.gpu;
         let plan = self.plan(method)?;
         gpu::submit(device, queue, "bench.epipolar.image", |encoder| plan.encode(encoder))?;
@@ -176,7 +174,7 @@ impl<'a> Stand<'a> {
         Ok(Planes::from_data(3, self.view.height, self.view.width, data))
     }
 
-    fn seconds(&self, method: &dyn ScreenMethod) -> Result<f64> {
+    fn seconds(&self, method: &ScreenMethod) -> Result<f64> {
         let Gpu { device, queue, .. } = self.gpu;
         let plan = self.plan(method)?;
         let timing =

@@ -8,7 +8,6 @@ use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::lpv::Parameters;
 use deepshade_render::screen::Plan;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl;
 
 /// Cells along the scene, and what figures of them end with.
 const GRIDS: [(usize, &str); 2] = [(32, ""), (64, "_64")];
@@ -91,6 +90,6 @@ impl Costs {
 
 /// Bytes that a plan's propagation moves at least.
 fn bytes(plan: &Plan) -> u64 {
-    let steps = plan.steps().iter().filter(|step| step.step.pass.is_of(wgsl::LPV_PROPAGATE.name));
+    let steps = plan.steps().iter().filter(|step| step.step.pass.is_of("lpv.propagate"));
     steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()
 }

@@ -7,8 +7,9 @@ use deepshade::shared::figures::Figures;
 use deepshade_render::lpv::Scheme;
 use deepshade_render::lpv::scheme::Lookup;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::lpv::in_medium::{Multiple, MultipleScattering};
-use deepshade_render::methods::lpv::{LightVolume, Parameters};
+use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::in_medium::InMedium;
+use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 
@@ -45,7 +46,7 @@ impl Flicker {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, frames: usize) -> Result<Self> {
-        let method = MultipleScattering::new(gpu, Multiple(Parameters::of(Quality::Low)))?;
+        let method = ScreenMethod::new(gpu, InMedium::multiple(Parameters::of(Quality::Low)));
         let of = |moving: Moving| {
             let image = |frame: usize| {
                 let (scene, camera) = room::in_motion(moving, frame)?;
@@ -78,7 +79,7 @@ impl Leaks {
     pub fn of(gpu: &Gpu) -> Result<Self> {
         let of = |(name, lookup): (&'static str, Lookup)| {
             let scheme = Scheme { lookup, ..Scheme::OURS };
-            let method = LightVolume::new(gpu, Parameters { scheme, ..Parameters::of(Quality::Medium) })?;
+            let method = ScreenMethod::new(gpu, Parameters { scheme, ..Parameters::of(Quality::Medium) });
             let (scene, cameras) = room::divided();
             let brightness =
                 |camera| Ok::<_, anyhow::Error>(mean(&room::image(&method, scene.clone(), camera, SIZE)?));

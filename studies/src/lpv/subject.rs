@@ -8,16 +8,15 @@ use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::lpv::LightGrid;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::gpu_epipolar::{self, GpuEpipolar};
-use deepshade_render::methods::lpv::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
+use deepshade_render::methods::gpu_epipolar;
+use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::in_medium::InMedium;
 use deepshade_render::methods::lpv::passes::Pixel;
-use deepshade_render::methods::lpv::{LightVolume, Parameters};
 use deepshade_render::path::{self, Part, Sampling, Shot};
 use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
 use deepshade_render::scene::{Camera, Density, Light, Look, Material, Medium, SceneSource};
 use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
-use deepshade_shaders::wgsl;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
 
@@ -67,7 +66,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn plan(&self, parameters: Parameters) -> Result<Plan, GpuError> {
-        self.planned(&MultipleScattering::new(self.gpu, Multiple(parameters))?)
+        self.planned(&ScreenMethod::new(self.gpu, InMedium::multiple(parameters)))
     }
 
     /// Multiple scattering.
@@ -83,7 +82,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn indirect(&self, parameters: Parameters, pixel: Pixel) -> Result<Planes, GpuError> {
-        let method = IndirectScattering::new(self.gpu, Indirect(parameters, pixel))?;
+        let method = ScreenMethod::new(self.gpu, InMedium::indirect_at(parameters, pixel));
         self.image(&self.planned(&method)?)
     }
 
@@ -93,7 +92,7 @@ impl<'a> Subject<'a> {
     /// If the device fails.
     pub fn single(&self) -> Result<Planes, GpuError> {
         let parameters = gpu_epipolar::Parameters::of(Quality::High);
-        self.image(&self.planned(&GpuEpipolar::new(self.gpu, parameters)?)?)
+        self.image(&self.planned(&ScreenMethod::new(self.gpu, parameters))?)
     }
 
     /// Path-traced truth of so many samples a pixel.
@@ -124,7 +123,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn clear(&self, parameters: Parameters) -> Result<Plan, GpuError> {
-        self.planned(&LightVolume::new(self.gpu, parameters)?)
+        self.planned(&ScreenMethod::new(self.gpu, parameters))
     }
 
     /// What surfels have put into each cell, red, watts, once a plan of [`Self::clear`] has run; `face` is
@@ -135,7 +134,7 @@ impl<'a> Subject<'a> {
     pub fn sent_by_surfels(&self, plan: &Plan, face: f64) -> Result<Vec<f64>, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
         gpu::submit(device, queue, "bench.lpv", |encoder| plan.encode(encoder))?;
-        let inject = plan.steps().iter().find(|step| step.step.pass.is_of(wgsl::LPV_INJECT.name));
+        let inject = plan.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
         let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
         let sums: Vec<[[u32; 2]; 12]> = gpu::read(device, queue, sums)?;
         // 64 bits of which 40 are behind the point, over the area of a cell's face; the fourth is red's
@@ -165,7 +164,7 @@ impl<'a> Subject<'a> {
         Ok((all, milliseconds))
     }
 
-    fn planned(&self, method: &impl ScreenMethod) -> Result<Plan, GpuError> {
+    fn planned(&self, method: &ScreenMethod) -> Result<Plan, GpuError> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
         Plan::new(method, &inputs, &self.view)

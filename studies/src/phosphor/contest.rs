@@ -11,9 +11,10 @@ use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::phosphor::glassner::{Glassner, Parameters as Moments};
-use deepshade_render::methods::phosphor::{Parameters, RateEquation};
+use deepshade_render::methods::phosphor::Parameters;
+use deepshade_render::methods::phosphor::glassner::Parameters as Moments;
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
+use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, Planes};
 use serde_json::{Value, json};
@@ -55,14 +56,14 @@ impl Contest {
         let scale = exposure(Effect::Phosphor, &truth);
         let right = exposed(&truth, scale);
         let error = |image: &Planes| relative_mse(&exposed(image, scale), &right);
-        let plan = subject.plan(&RateEquation::new(gpu, Parameters::of(Quality::High))?)?;
+        let plan = subject.plan(&ScreenMethod::new(gpu, Parameters::of(Quality::High)))?;
         subject.make(moment - STEP, &[&plan])?;
         subject.make(moment, &[&plan])?;
         // Timing repeats the step.
         let wrong = error(&subject.image(&plan)?);
         let states = Row { samples: 0, milliseconds: subject.milliseconds(&plan, runs)?, error: wrong };
         let mut moments = bisected(EQUAL * states.error, |samples| {
-            let plan = subject.plan(&Glassner::new(gpu, Moments { samples })?)?;
+            let plan = subject.plan(&ScreenMethod::new(gpu, Moments { samples }))?;
             let milliseconds = subject.milliseconds(&plan, runs)?;
             Ok(Row { samples, milliseconds, error: error(&subject.image(&plan)?) })
         })?;

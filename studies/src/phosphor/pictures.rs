@@ -9,12 +9,13 @@ use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
 use deepshade::shared::pictures::{shown, write_png};
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::phosphor::glassner::{Glassner, Parameters as Moments};
-use deepshade_render::methods::phosphor::{Parameters, RateEquation};
-use deepshade_render::methods::surfel::indirect::{Indirect, KeptLight};
-use deepshade_render::methods::surfel::{self, Surfel};
+use deepshade_render::methods::disks::Disks;
+use deepshade_render::methods::phosphor::Parameters;
+use deepshade_render::methods::phosphor::glassner::Parameters as Moments;
+use deepshade_render::methods::surfel;
+use deepshade_render::methods::surfel::indirect::{INDIRECT, KEPT_LIGHT};
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
-use deepshade_render::screen::{Compiled, Plan};
+use deepshade_render::screen::{Plan, ScreenMethod};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use image::{RgbImage, imageops};
@@ -70,11 +71,11 @@ impl Light {
 pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<Picture>> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut subject = Subject::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
-    let states = subject.plan(&RateEquation::new(gpu, Parameters::of(Quality::High))?)?;
+    let states = subject.plan(&ScreenMethod::new(gpu, Parameters::of(Quality::High)))?;
     let by_surfels = surfel::Parameters::of(Quality::High);
-    let kept = subject.plan(&Compiled::<Surfel<KeptLight>>::new(gpu, by_surfels.into())?)?;
-    let reflected = subject.plan(&Compiled::<Surfel<Indirect>>::new(gpu, by_surfels.into())?)?;
-    let [few, many] = rivals.map(|samples| subject.plan(&Glassner::new(gpu, Moments { samples })?));
+    let kept = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, KEPT_LIGHT)))?;
+    let reflected = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, INDIRECT)))?;
+    let [few, many] = rivals.map(|samples| subject.plan(&ScreenMethod::new(gpu, Moments { samples })));
     let (few, many) = (few?, many?);
     let (mut pictures, mut now) = (Vec::new(), 0.0);
     for (after, name) in AFTER {

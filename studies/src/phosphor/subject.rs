@@ -57,7 +57,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn plan(&self, method: &impl ScreenMethod) -> Result<Plan> {
+    pub fn plan(&self, method: &ScreenMethod) -> Result<Plan> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
         Ok(Plan::new(method, &inputs, &self.view)?)

@@ -6,9 +6,10 @@ use anyhow::{Result, bail};
 use deepshade::shared::arguments::Size;
 use deepshade::shared::stage::{self, Staged};
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::surfel::{self, occlusion::SurfelOcclusion};
+use deepshade_render::methods::disks::Disks;
+use deepshade_render::methods::surfel;
 use deepshade_render::raster::frame::{Frame, Settings, Stage};
-use deepshade_render::screen::{Inputs, Plan, View};
+use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
 use deepshade_render::surfels::{self, Surfel, patches, reference};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect};
@@ -95,7 +96,7 @@ impl<'a> Subject<'a> {
         let near = usual.surfels.near * self.view.radius / view.radius;
         let parameters =
             surfel::Parameters { surfels: surfels::Parameters { near, ..usual.surfels }, ..usual };
-        let method = SurfelOcclusion::new(self.gpu, parameters.into())?;
+        let method = ScreenMethod::new(self.gpu, Disks::new(parameters, surfel::occlusion::OCCLUSION));
         let plan = Plan::new(&method, &self.inputs(), &view)?;
         let found = self.surfel_area(&plan)?;
         let scene = &self.staged.animated.scene;

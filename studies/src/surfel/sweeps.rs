@@ -3,8 +3,9 @@
 
 use super::subject::Subject;
 use crate::stages::Cost;
-use deepshade_render::methods::surfel::{Parameters, occlusion::SurfelOcclusion};
-use deepshade_render::screen::{Plan, upsampling};
+use deepshade_render::methods::disks::Disks;
+use deepshade_render::methods::surfel::{Parameters, occlusion::OCCLUSION};
+use deepshade_render::screen::{Plan, ScreenMethod, upsampling};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Effect, Planes};
 use serde_json::json;
@@ -65,7 +66,7 @@ pub fn run(
     usual: Parameters,
     runs: usize,
 ) -> Result<Vec<Row>, GpuError> {
-    let method = SurfelOcclusion::new(gpu, usual.into())?;
+    let method = ScreenMethod::new(gpu, Disks::new(usual, OCCLUSION));
     let flat = Parameters { levels: 1, ..usual };
     let shaded = |subject: &Subject<'_>, parameters: Parameters| {
         let method = method.with(parameters.into());

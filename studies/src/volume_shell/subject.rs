@@ -5,8 +5,8 @@ use crate::stages::{Cost, Stage};
 use anyhow::{Context, Result};
 use deepshade::shared::arguments::Size;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::methods::volume_shell::direct::VolumeShellDirect;
-use deepshade_render::methods::volume_shell::{Parameters, VolumeShell};
+use deepshade_render::methods::volume_shell::Parameters;
+use deepshade_render::methods::volume_shell::direct::Direct;
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
@@ -61,7 +61,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn shaded(&self, parameters: Parameters, runs: usize) -> Result<Shaded> {
-        let method = VolumeShell::new(self.gpu, parameters)?;
+        let method = ScreenMethod::new(self.gpu, parameters);
         self.measured(&method, runs).context("volume-shell")
     }
 
@@ -70,7 +70,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn direct(&self, parameters: Parameters, runs: usize) -> Result<f64> {
-        let method = VolumeShellDirect::new(self.gpu, parameters.into())?;
+        let method = ScreenMethod::new(self.gpu, Direct(parameters));
         let shaded = self.measured(&method, runs).context("volume-shell of fog-direct")?;
         Ok(shaded.cost.of_stage(Stage::Direct))
     }
@@ -92,7 +92,7 @@ impl<'a> Subject<'a> {
         path::render(EFFECT, &shot, Sampling::one(samples, 1)).mean
     }
 
-    fn measured(&self, method: &impl ScreenMethod, runs: usize) -> Result<Shaded, GpuError> {
+    fn measured(&self, method: &ScreenMethod, runs: usize) -> Result<Shaded, GpuError> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
         let plan = Plan::new(method, &inputs, &self.view)?;

@@ -2,14 +2,11 @@
 
 use super::facets;
 use super::reference;
-use crate::bvh::TracedScene;
 use crate::methods::{Quality, Surface, blur, bounced_z};
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::frame;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// How high in the tree a node is whose facets are one slice: 16,384, of which each takes no more than two turns of
@@ -24,17 +21,6 @@ pub struct Parameters {
     pub directions: u32,
     /// What brings neighbours' samples together.
     pub filter: blur::Parameters,
-}
-
-/// The method, compiled for a device.
-pub type BouncedVolumes = Compiled<Parameters>;
-
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    facets: facets::Passes,
-    trace: Pass,
-    filter: Pass,
 }
 
 impl Parameters {
@@ -66,62 +52,49 @@ impl Parameters {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "aov-bounced-z";
-    const EFFECT: Effect = Effect::Ao;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    const LOOKS_BEYOND: bool = true;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        let [trace, filter] = [&wgsl::AOV_TRACE, &wgsl::BOUNCED_FILTER];
-        Ok(Passes {
-            facets: facets::Passes::new(device)?,
-            trace: Pass::new(device, trace.name, &trace.specialised(&[("SLICE", SLICE)]))?,
-            filter: Pass::new(device, filter.name, &filter.source())?,
-        })
+    fn about(&self) -> About {
+        About::beyond_screen(
+            "aov-bounced-z",
+            Effect::Ao,
+            &[Attribute::Position, Attribute::Normal, Attribute::Valid],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         let (rays, window) = (self.rays(view), self.window(view));
         vec![bytes_of(&camera).to_vec(), bytes_of(&rays).to_vec(), bytes_of(&window).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let [view, rays, window] = uniforms else {
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let [view, rays, window] = to.uniforms else {
             unreachable!("camera, rays and filter have a uniform buffer each")
         };
-        let (facets, mut steps) = passes.facets.steps(device, frame::scene(inputs.world)?, view)?;
-        let gbuffer = inputs.gbuffer;
-        let surface = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
-        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let device = to.device;
+        let (facets, mut steps) = facets::steps(device, to.scene()?, view)?;
+        let trace = device.pass(Shader::at("methods/aov/trace"), &[("SLICE", SLICE)])?;
+        let filter = device.pass(Shader::at("methods/bounced-z/filter"), &[])?;
+        let surface = to.seen([Attribute::Position, Attribute::Normal, Attribute::Valid]);
+        let [height, width] = to.size();
         let samples =
             |label: &str| gpu::empty::<u32>(device, label, self.directions() as usize * height * width);
         let (ways, arrived) = (samples("aov.directions")?, samples("aov.arrived")?);
-        let [columns, rows, _] = gpu::groups(height, width, TILE);
+        let [columns, rows, _] = to.whole();
         let all = [columns, rows, self.directions()];
         for slice in facets.slices(device, SLICE)? {
             let reads = [&[rays], &surface[..], &[&slice, &facets.facets, &facets.nodes]].concat();
-            steps.push(MethodStep::bind(device, &passes.trace, all, &reads, &[&ways, &arrived])?);
+            steps.push(MethodStep::bind(device, &trace, all, &reads, &[&ways, &arrived])?);
         }
         let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
-        steps.push(MethodStep::bind(device, &passes.filter, [columns, rows, 1], &reads, &[output])?);
+        steps.push(MethodStep::bind(device, &filter, to.whole(), &reads, &[to.output])?);
         Ok(steps)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         let surface = Surface::of(inputs.gbuffer)?;
-        let shaded = |scene: &TracedScene| {
+        inputs.image_of_scene(|scene| {
             let facets = reference::facets(scene.scene(), &view.camera);
-            reference::visible_sky(&surface, &facets, self, view).data().to_vec()
-        };
-        Ok(inputs.scene.map(shaded).into_iter().collect())
+            Ok(reference::visible_sky(&surface, &facets, self, view))
+        })
     }
 }

@@ -4,10 +4,10 @@
 
 use crate::raster::World;
 use crate::scene::Scene;
-use crate::screen::MethodStep;
+use crate::screen::{Device, MethodStep};
 use crate::surfels::{LEAF, Patch, groups, patches, vertices};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 
 /// Levels of the tree above its leaves: `HEIGHT` of the shaders.
 const HEIGHT: u32 = 10;
@@ -50,63 +50,41 @@ impl Facets {
     }
 }
 
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    vertices: Pass,
-    facets: Pass,
-    parents: Pass,
-}
-
-impl Passes {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let pass = |shader: &wgsl::Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(Self {
-            vertices: vertices::pass(device)?,
-            facets: pass(&wgsl::AOV_FACETS)?,
-            parents: pass(&wgsl::AOV_PARENTS)?,
-        })
+/// The facets of a scene, and the passes that make them and their tree; `view` is that of the camera.
+///
+/// # Errors
+/// If the scene has more than [`MOST`] facets, or the device has no room.
+pub fn steps(
+    device: &Device,
+    world: &World,
+    view: &wgpu::Buffer,
+) -> Result<(Facets, Vec<MethodStep>), GpuError> {
+    let patches = world.cut(PARTS);
+    if patches.len() > MOST {
+        let what = format!("the scene has {} facets; there may be {MOST}", patches.len());
+        return Err(GpuError::Refused { label: "deepshade.aov.facets".to_owned(), what });
     }
-
-    /// The facets of a scene, and the passes that make them and their tree; `view` is that of the camera.
-    ///
-    /// # Errors
-    /// If the scene has more than [`MOST`] facets, or the device has no room.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        view: &wgpu::Buffer,
-    ) -> Result<(Facets, Vec<MethodStep>), GpuError> {
-        let patches = world.cut(PARTS);
-        if patches.len() > MOST {
-            let what = format!("the scene has {} facets; there may be {MOST}", patches.len());
-            return Err(GpuError::Refused { label: "deepshade.aov.facets".to_owned(), what });
-        }
-        let patches = if patches.is_empty() { vec![Patch::NOWHERE] } else { patches };
-        let count = patches.len();
-        let posed = &world.geometry.posed;
-        let places = vertices::room(device, posed)?;
-        let mut steps = vertices::steps(device, &self.vertices, [view, posed, &places])?;
-        let patches = gpu::storage(device, "aov.patches", &patches)?;
-        let facets = gpu::empty::<[f32; 10]>(device, "aov.facets", count)?;
-        let nodes = gpu::empty::<[f32; 8]>(device, "aov.nodes", first_leaf() + count.div_ceil(LEAF))?;
-        let leaves = groups(count.div_ceil(LEAF));
-        let reads = [&places, &patches];
-        steps.push(MethodStep::bind(device, &self.facets, leaves, &reads, &[&facets, &nodes])?);
-        // The beginning of what passes over surfels are told: how many there are.
-        let totals = gpu::storage(device, "aov.totals", &[count as u32; 8])?;
-        for height in 1..=HEIGHT {
-            let level = gpu::uniform(device, "aov.level", &uniforms::TreeLevel { height })?;
-            let nodes_there = groups(count.div_ceil(LEAF << (2 * height)));
-            steps.push(MethodStep::bind(device, &self.parents, nodes_there, &[&level, &totals], &[&nodes])?);
-        }
-        Ok((Facets { facets, nodes, count }, steps))
+    let patches = if patches.is_empty() { vec![Patch::NOWHERE] } else { patches };
+    let count = patches.len();
+    let posed = &world.geometry.posed;
+    let places = vertices::room(device, posed)?;
+    let mut steps = vertices::steps(device, [view, posed, &places])?;
+    let patches = gpu::storage(device, "aov.patches", &patches)?;
+    let facets = gpu::empty::<[f32; 10]>(device, "aov.facets", count)?;
+    let nodes = gpu::empty::<[f32; 8]>(device, "aov.nodes", first_leaf() + count.div_ceil(LEAF))?;
+    let leaves = groups(count.div_ceil(LEAF));
+    let reads = [&places, &patches];
+    let cut = device.pass(Shader::at("methods/aov/facets"), &[])?;
+    let parents = device.pass(Shader::at("methods/aov/parents"), &[])?;
+    steps.push(MethodStep::bind(device, &cut, leaves, &reads, &[&facets, &nodes])?);
+    // The beginning of what passes over surfels are told: how many there are.
+    let totals = gpu::storage(device, "aov.totals", &[count as u32; 8])?;
+    for height in 1..=HEIGHT {
+        let level = gpu::uniform(device, "aov.level", &uniforms::TreeLevel { height })?;
+        let nodes_there = groups(count.div_ceil(LEAF << (2 * height)));
+        steps.push(MethodStep::bind(device, &parents, nodes_there, &[&level, &totals], &[&nodes])?);
     }
+    Ok((Facets { facets, nodes, count }, steps))
 }
 
 /// How many nodes are above the leaves.

@@ -39,5 +39,4 @@ pub mod reference;
 mod tests;
 pub mod volumes;
 
-pub use bounced::BouncedVolumes;
-pub use volumes::{OcclusionVolumes, Volumes};
+pub use volumes::Volumes;

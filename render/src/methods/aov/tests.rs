@@ -1,8 +1,8 @@
 //! Closed forms, what hides what, odd scenes, and the passes against the plain version.
 
+use super::Volumes;
 use super::bounced::Parameters;
 use super::reference::{Facet, MOST_HIDDEN, compensated, distance, facets, lifted, occluded};
-use super::{BouncedVolumes, OcclusionVolumes, Volumes};
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::bounced_z::reference::place_on_disk;
 use crate::methods::bounced_z::{Matte, Reflector};
@@ -96,7 +96,7 @@ fn floor() -> GBuffer {
 }
 
 /// A scene's image above [`floor`].
-fn above_floor(method: &dyn ScreenMethod, scene: &Scene, radius: f32) -> Vec<f32> {
+fn above_floor(method: &ScreenMethod, scene: &Scene, radius: f32) -> Vec<f32> {
     let (gpu, gbuffer) = (method.gpu(), floor());
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
@@ -106,13 +106,13 @@ fn above_floor(method: &dyn ScreenMethod, scene: &Scene, radius: f32) -> Vec<f32
     gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
 }
 
-fn volumes() -> OcclusionVolumes {
-    OcclusionVolumes::new(&Gpu::new().expect("an adapter; lavapipe will do"), Volumes).expect("valid shaders")
+fn volumes() -> ScreenMethod {
+    ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), Volumes)
 }
 
-fn rays(quality: Quality) -> BouncedVolumes {
+fn rays(quality: Quality) -> ScreenMethod {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    BouncedVolumes::new(&gpu, Parameters::of(quality)).expect("valid shaders")
+    ScreenMethod::new(&gpu, Parameters::of(quality))
 }
 
 fn seen_on_floor(image: &[f32]) -> impl Iterator<Item = f32> {
@@ -222,7 +222,7 @@ fn rays_come_nearer_to_truth_than_sums() {
     let truth = path::render(Effect::Ao, &shot, Sampling { samples: 128, scramblings: 1, seed: 1 }).mean;
     let off = |image: &Planes| mean_difference(image, &truth);
     let white = Planes::filled(1, 48, 64, 1.0);
-    let [sum, rays] = [&volumes() as &dyn ScreenMethod, &rays(Quality::Ultra)]
+    let [sum, rays] = [&volumes() as &ScreenMethod, &rays(Quality::Ultra)]
         .map(|method| off(&Method::shade(method, &frame, Repeats::ONCE).expect("an image").image));
     assert!(rays < sum && sum < off(&white), "{rays} by rays, {sum} by sums, {} by nothing", off(&white));
 }

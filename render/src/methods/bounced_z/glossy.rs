@@ -1,48 +1,31 @@
 //! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest
 //! surfels send. Directions are spread as the lobe's visible microfacets mirror the eye's.
 
-use super::indirect::Indirect;
-use super::technique::{Reflectors, Shaders};
-use super::{BouncedEffect, BouncedZ};
-use crate::methods::Surface;
-use crate::methods::lobe::{self, Gloss, Lobe};
-use crate::screen::Compiled;
+use super::Parameters;
+use super::indirect::LIGHT;
+use super::passes::Rays;
+use super::reference::{Arriving, shade};
+use crate::methods::disks::DiskEffect;
+use crate::methods::lobe::{self, Gloss};
 use crate::surfels::Lit;
-use crate::surfels::reference::Disk;
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::Effect;
+use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Glossy;
-
-/// The method, compiled for a device.
-pub type BouncedGlossy = Compiled<BouncedZ<Glossy>>;
-
-impl BouncedEffect for Glossy {
-    const EFFECT: Effect = Effect::Glossy;
-    const ATTRIBUTES: &'static [Attribute] = lobe::ATTRIBUTES;
-    const LIT: Option<Lit> = Some(Lit::Reflected);
-    type Reflector = Lobe;
-
-    fn shaders() -> Shaders {
-        Shaders {
-            trace: &wgsl::BOUNCED_GLOSSY_TRACE,
-            arrive: &wgsl::BOUNCED_LIGHT,
-            filter: &wgsl::BOUNCED_GLOSSY_FILTER,
-        }
-    }
-
-    fn reflectors<'a>(
-        gbuffer: &GBuffer,
-        surface: &'a Surface,
-    ) -> Result<Reflectors<'a, Lobe>, MissingAttribute> {
-        let gloss = Gloss::of(gbuffer)?;
-        Ok(Box::new(move |at| gloss.lobe_at(surface, at).filter(|lobe| lobe.usual_colour() != Vec3::ZERO)))
-    }
-
-    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
-        Indirect::arriving(met, direction)
-    }
-}
+/// The effect `glossy`.
+pub const GLOSSY: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Glossy,
+    attributes: lobe::ATTRIBUTES,
+    lit: Some(Lit::Reflected),
+    passes: Rays {
+        trace: Shader::at("methods/bounced-z/glossy_trace"),
+        arrive: Shader::at("methods/bounced-z/light"),
+        filter: Shader::at("methods/bounced-z/glossy_filter"),
+    },
+    plain: |plain, disks| {
+        let (gloss, surface) = (Gloss::of(plain.gbuffer)?, plain.surface);
+        let lobe = |at| gloss.lobe_at(surface, at).filter(|lobe| lobe.usual_colour() != Vec3::ZERO);
+        let arriving = Arriving { effect: Effect::Glossy, ..LIGHT };
+        Ok(shade(surface, &lobe, disks, arriving, (plain.parameters, plain.view)))
+    },
+};

@@ -1,65 +1,38 @@
 //! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights
 //! with shadows; of `phosphor-gi` what they give back of light that they kept. Surfels without light hide those behind them, so none is left out.
 
-use super::technique::{Reflectors, Shaders};
-use super::{BouncedEffect, BouncedZ, Matte};
-use crate::methods::Surface;
+use super::passes::Rays;
+use super::reference::{Arriving, shade};
+use super::{Matte, Parameters};
+use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::methods::surfel::reference::sent;
-use crate::screen::Compiled;
 use crate::surfels::Lit;
-use crate::surfels::reference::Disk;
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
+use deepshade_shaders::Effect;
+use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
+/// What disks send.
+pub const LIGHT: Arriving = Arriving {
+    effect: Effect::Gi,
+    of: |met, direction| met.map_or(Vec3::ZERO, |disk| sent(direction, disk)),
+};
+
 /// The effect `gi`.
-#[derive(Clone, Copy, Debug)]
-pub struct Indirect;
+pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Gi,
+    attributes: SURFACE,
+    lit: Some(Lit::Reflected),
+    passes: Rays {
+        trace: Shader::at("methods/bounced-z/trace"),
+        arrive: Shader::at("methods/bounced-z/light"),
+        filter: Shader::at("methods/bounced-z/filter"),
+    },
+    plain: |plain, disks| {
+        let matte = Matte::all_over(plain.surface);
+        Ok(shade(plain.surface, &matte, disks, LIGHT, (plain.parameters, plain.view)))
+    },
+};
 
 /// The effect `phosphor-gi`.
-#[derive(Clone, Copy, Debug)]
-pub struct KeptLight;
-
-/// `gi`, compiled for a device.
-pub type BouncedIndirect = Compiled<BouncedZ<Indirect>>;
-
-impl BouncedEffect for Indirect {
-    const EFFECT: Effect = Effect::Gi;
-    const LIT: Option<Lit> = Some(Lit::Reflected);
-
-    type Reflector = Matte;
-
-    fn shaders() -> Shaders {
-        Shaders { trace: &wgsl::BOUNCED_TRACE, arrive: &wgsl::BOUNCED_LIGHT, filter: &wgsl::BOUNCED_FILTER }
-    }
-
-    fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
-        Ok(Box::new(Matte::all_over(surface)))
-    }
-
-    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
-        met.map_or(Vec3::ZERO, |disk| sent(direction, disk))
-    }
-}
-
-impl BouncedEffect for KeptLight {
-    const EFFECT: Effect = Effect::PhosphorGi;
-    const LIT: Option<Lit> = Some(Lit::Kept);
-
-    type Reflector = Matte;
-
-    fn shaders() -> Shaders {
-        Indirect::shaders()
-    }
-
-    fn reflectors<'a>(
-        gbuffer: &GBuffer,
-        surface: &'a Surface,
-    ) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
-        Indirect::reflectors(gbuffer, surface)
-    }
-
-    fn arriving(met: Option<&Disk>, direction: Vec3) -> Vec3 {
-        Indirect::arriving(met, direction)
-    }
-}
+pub const KEPT_LIGHT: DiskEffect<Parameters> =
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };

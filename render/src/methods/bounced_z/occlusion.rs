@@ -1,37 +1,29 @@
 //! Ambient occlusion by a bounced z-buffer: the light of a white sky that nothing within the radius hides.
 
-use super::technique::{Reflectors, Shaders};
-use super::{BouncedEffect, BouncedZ, Matte};
-use crate::methods::Surface;
-use crate::screen::Compiled;
-use crate::surfels::Lit;
-use crate::surfels::reference::Disk;
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, GBuffer, MissingAttribute};
+use super::passes::Rays;
+use super::reference::{Arriving, shade};
+use super::{Matte, Parameters};
+use crate::methods::disks::{DiskEffect, SURFACE};
+use deepshade_shaders::Effect;
+use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Occlusion;
+/// What of a white sky arrives past disks.
+pub const SKY: Arriving =
+    Arriving { effect: Effect::Ao, of: |met, _| if met.is_some() { Vec3::ZERO } else { Vec3::ONE } };
 
-/// The method, compiled for a device.
-pub type BouncedOcclusion = Compiled<BouncedZ<Occlusion>>;
-
-impl BouncedEffect for Occlusion {
-    const EFFECT: Effect = Effect::Ao;
-    const LIT: Option<Lit> = None;
-
-    type Reflector = Matte;
-
-    fn shaders() -> Shaders {
-        Shaders { trace: &wgsl::BOUNCED_TRACE, arrive: &wgsl::BOUNCED_SKY, filter: &wgsl::BOUNCED_FILTER }
-    }
-
-    fn reflectors<'a>(_: &GBuffer, surface: &'a Surface) -> Result<Reflectors<'a, Matte>, MissingAttribute> {
-        Ok(Box::new(Matte::all_over(surface)))
-    }
-
-    fn arriving(met: Option<&Disk>, _direction: Vec3) -> Vec3 {
-        if met.is_some() { Vec3::ZERO } else { Vec3::ONE }
-    }
-}
+/// The effect `ao`.
+pub const OCCLUSION: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Ao,
+    attributes: SURFACE,
+    lit: None,
+    passes: Rays {
+        trace: Shader::at("methods/bounced-z/trace"),
+        arrive: Shader::at("methods/bounced-z/sky"),
+        filter: Shader::at("methods/bounced-z/filter"),
+    },
+    plain: |plain, disks| {
+        let matte = Matte::all_over(plain.surface);
+        Ok(shade(plain.surface, &matte, disks, SKY, (plain.parameters, plain.view)))
+    },
+};

@@ -1,25 +1,24 @@
 //! What runs on the GPU: surfels and their tree, the rays of every pixel, the filter.
 
-use super::technique::Shaders;
-use super::{BouncedEffect, Parameters};
+use super::Parameters;
+use crate::methods::disks::DiskEffect;
 use crate::methods::lobe;
-use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{self, Lit, Tree, frame, groups, light};
+use crate::screen::{MethodStep, Resources, View};
+use crate::surfels::{Tree, frame, groups, light};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{Shader, TILE};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect};
 
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    surfels: surfels::Passes,
-    trace: Pass,
-    arrive: Pass,
-    filter: Pass,
-    lit: Option<Lit>,
-    /// What gathers the gloss of receivers that are glossy.
-    gloss: Option<Pass>,
+/// What the passes of an effect do.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays {
+    /// What a pixel's rays meet.
+    pub trace: Shader,
+    /// What arrives from there.
+    pub arrive: Shader,
+    /// What brings neighbours' rays together.
+    pub filter: Shader,
 }
 
 /// The contents of the passes' uniform buffers.
@@ -29,61 +28,40 @@ pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec
     frame::uniforms(&parameters.surfels, view).chain(own).collect()
 }
 
-impl Passes {
-    /// Compiles them for an effect.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new<E: BouncedEffect>(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let Shaders { trace, arrive, filter } = E::shaders();
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        let filter_source = filter.specialised(&[("CHANNELS", E::EFFECT.channels() as u32)]);
-        Ok(Self {
-            surfels: surfels::Passes::new(device, Tree::All)?,
-            trace: pass(trace)?,
-            arrive: pass(arrive)?,
-            filter: Pass::new(device, filter.name, &filter_source)?,
-            lit: E::LIT,
-            gloss: E::ATTRIBUTES.contains(&Attribute::Glossiness).then(|| lobe::pass(device)).transpose()?,
-        })
-    }
-
-    /// The passes bound to a scene and a g-buffer. They write `image`, `[channels, height, width]`.
-    ///
-    /// # Errors
-    /// If there is no scene, or the device has no room for what lies between them.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        directions: u32,
-        uniforms: &[wgpu::Buffer],
-        image: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let (of_surfels, [bounces, window]) = uniforms.split_at(frame::UNIFORMS) else {
-            unreachable!("rays and filter have a uniform buffer each")
-        };
-        let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, self.lit)?;
-        let gbuffer = inputs.gbuffer;
-        let (height, width) = (gbuffer.height(), gbuffer.width());
-        let samples = |label: &str| gpu::empty::<u32>(device, label, directions as usize * height * width);
-        let (ways, arrived) = (samples("bounced-z.directions")?, samples("bounced-z.arrived")?);
-        let [position, normal, valid] =
-            [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| gbuffer.buffer(a));
-        let gloss = self.gloss.as_ref().map(|pass| lobe::step(device, pass, gbuffer)).transpose()?;
-        steps.extend(gloss.as_ref().map(|(_, step)| step.clone()));
-        let surface = [position, normal, gloss.as_ref().map_or(valid, |(gloss, _)| gloss)];
-        let pixels = gpu::groups(height, width, TILE);
-        let rays = [pixels[0], pixels[1], directions];
-        let met = [&cloud.totals, &cloud.surfels, &cloud.nodes];
-        let reads = [&[bounces], &surface[..], &met].concat();
-        steps.push(MethodStep::bind(device, &self.trace, rays, &reads, &[&ways, &arrived])?);
-        let all = groups(directions as usize * height * width);
-        let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
-        steps.push(MethodStep::bind_at(device, &self.arrive, all, &reads, &[(0, &arrived)])?);
-        let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
-        steps.push(MethodStep::bind(device, &self.filter, pixels, &reads, &[image])?);
-        steps.extend(light::ending(device, frame::scene(inputs.world)?, self.lit, image)?);
-        Ok(steps)
-    }
+/// The passes bound to a scene and a g-buffer.
+///
+/// # Errors
+/// If there is no scene, or the device has no room for what lies between them.
+pub fn steps(
+    effect: &DiskEffect<Parameters>,
+    directions: u32,
+    to: &Resources<'_>,
+) -> Result<Vec<MethodStep>, GpuError> {
+    let (of_surfels, [bounces, window]) = to.uniforms.split_at(frame::UNIFORMS) else {
+        unreachable!("rays and filter have a uniform buffer each")
+    };
+    let (device, world, lit) = (to.device, to.scene()?, effect.lit);
+    let Rays { trace, arrive, filter } = effect.passes;
+    let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::All, lit)?;
+    let count = directions as usize * to.size().iter().product::<usize>();
+    let samples = |label: &str| gpu::empty::<u32>(device, label, count);
+    let (ways, arrived) = (samples("bounced-z.directions")?, samples("bounced-z.arrived")?);
+    let [position, normal, valid] = to.seen([Attribute::Position, Attribute::Normal, Attribute::Valid]);
+    let is_glossy = effect.attributes.contains(&Attribute::Glossiness);
+    let gloss = is_glossy.then(|| lobe::step(device, to.gbuffer)).transpose()?;
+    steps.extend(gloss.as_ref().map(|(_, step)| step.clone()));
+    let surface = [position, normal, gloss.as_ref().map_or(valid, |(gloss, _)| gloss)];
+    let [columns, rows, _] = to.whole();
+    let met = [&cloud.totals, &cloud.surfels, &cloud.nodes];
+    let reads = [&[bounces], &surface[..], &met].concat();
+    let (trace, rays) = (device.pass(trace, &[])?, [columns, rows, directions]);
+    steps.push(MethodStep::bind(device, &trace, rays, &reads, &[&ways, &arrived])?);
+    let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
+    let arrive = device.pass(arrive, &[])?;
+    steps.push(MethodStep::bind_at(device, &arrive, groups(count), &reads, &[(0, &arrived)])?);
+    let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
+    let filter = device.pass(filter, &[("CHANNELS", effect.effect.channels() as u32)])?;
+    steps.push(MethodStep::bind(device, &filter, to.whole(), &reads, &[to.output])?);
+    steps.extend(light::ending(device, world, lit, to.output)?);
+    Ok(steps)
 }

@@ -1,6 +1,6 @@
 //! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and the filter.
 
-use super::{BouncedEffect, Parameters, Reflector};
+use super::{Parameters, Reflector};
 use crate::methods::Surface;
 use crate::methods::surfel::shells;
 use crate::screen::View;
@@ -106,35 +106,44 @@ fn hit(bounces: &uniforms::Bounces, level: u32, disk: &Disk, ray: &Ray) -> Optio
 }
 
 /// The samples of a pixel.
-fn samples<E: BouncedEffect>(
+fn samples(
     surface: &Surface,
     disks: &[Disk],
     bounces: &uniforms::Bounces,
-    reflector: &E::Reflector,
-    at: IVec2,
+    reflector: &impl Reflector,
+    (at, arriving): (IVec2, Arriving),
 ) -> Vec<Sample> {
     let (origin, normal) = (surface.position_at(at), surface.normal_at(at));
     let sample = |number| {
         let place = place_on_disk(at.as_uvec2(), number, [bounces.directions, bounces.seed]);
         let direction = reflector.direction(place);
         let met = met(bounces, disks, &Ray { origin, normal, direction }, at.as_uvec2());
-        Sample { direction, arrived: E::arriving(met, direction) }
+        Sample { direction, arrived: (arriving.of)(met, direction) }
     };
     (0..bounces.directions).map(sample).collect()
 }
 
+/// What rays bring.
+#[derive(Clone, Copy, Debug)]
+pub struct Arriving {
+    /// Of which effect.
+    pub effect: Effect,
+    /// The radiance that arrives along a ray in a direction, of the disk that it meets or of none.
+    pub of: fn(Option<&Disk>, Vec3) -> Vec3,
+}
+
 /// The effect, `[channels, height, width]`; `reflectors` says how each pixel's surface reflects, if it does.
-pub fn shade<E: BouncedEffect>(
+pub fn shade<R: Reflector>(
     surface: &Surface,
-    reflectors: &(impl Fn(IVec2) -> Option<E::Reflector> + Sync),
+    reflectors: &(impl Fn(IVec2) -> Option<R> + Sync),
     disks: &[Disk],
-    parameters: &Parameters,
-    view: &View,
+    arriving: Arriving,
+    (parameters, view): (&Parameters, &View),
 ) -> Planes {
     let bounces = parameters.bounces(view);
-    let window = super::window(&parameters.filter, parameters.directions, E::EFFECT, view);
-    reconstruction(surface, &window, E::EFFECT, reflectors, |at, reflector| {
-        samples::<E>(surface, disks, &bounces, reflector, at)
+    let window = super::window(&parameters.filter, parameters.directions, arriving.effect, view);
+    reconstruction(surface, &window, arriving.effect, reflectors, |at, reflector| {
+        samples(surface, disks, &bounces, reflector, (at, arriving))
     })
 }
 

@@ -1,22 +1,22 @@
 //! Closed forms, what hides what, and the passes against the plain version.
 
-use super::indirect::{BouncedIndirect, Indirect};
-use super::occlusion::{BouncedOcclusion, Occlusion};
-use super::reference::{LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
-use super::{BouncedEffect, Matte, Parameters, Reflector};
+use super::indirect::{INDIRECT, LIGHT};
+use super::occlusion::{OCCLUSION, SKY};
+use super::reference::{Arriving, LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
+use super::{Matte, Parameters, Reflector};
 use crate::bvh::TracedScene;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::disks::Disks;
 use crate::methods::proving::beyond::{corner, disk_mesh, prove_twin, scene_of, seen};
 use crate::methods::proving::{
     Tolerance, camera, gbuffer_of, mean_difference, plane, prove_comparator, still_life, view,
 };
-use crate::methods::surfel::occlusion::SurfelOcclusion;
 use crate::methods::surfel::reference::form_factor;
 use crate::methods::{Quality, Surface, blur, surfel};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Scene};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use crate::surfels::reference::Disk;
 use crate::surfels::{self, Surfel};
 use deepshade_shaders::Effect;
@@ -92,11 +92,11 @@ fn directions_are_spread_by_their_cosine() {
 }
 
 /// What arrives on an upward surface at a point, the mean over the directions of many pixels.
-fn arriving<E: BouncedEffect>(disks: &[Disk], origin: Vec3, parameters: &Parameters) -> Vec3 {
+fn arriving(what: Arriving, disks: &[Disk], origin: Vec3, parameters: &Parameters) -> Vec3 {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
     let radiance = |(pixel, direction)| {
         let ray = Ray { origin, normal: Vec3::Y, direction };
-        E::arriving(met(&bounces, disks, &ray, pixel), direction)
+        (what.of)(met(&bounces, disks, &ray, pixel), direction)
     };
     let all: Vec<Vec3> = directions(parameters, Vec3::Y).map(radiance).collect();
     all.iter().sum::<Vec3>() / all.len() as f32
@@ -140,7 +140,7 @@ fn sheets_behind_one_another_occlude_like_one() {
         for count in [1u8, 3] {
             let disks: Vec<Disk> =
                 (0..count).flat_map(|i| sheet(height + 1e-3 * f32::from(i), 0.0)).collect();
-            let hidden = 1.0 - arriving::<Occlusion>(&disks, Vec3::ZERO, &FEW).x;
+            let hidden = 1.0 - arriving(SKY, &disks, Vec3::ZERO, &FEW).x;
             assert!((hidden - right).abs() < 0.03, "{count} at {height}: {hidden}, not {right}");
             let factor = |disk: &Disk| form_factor(disk.place, Vec3::Y, disk);
             let added: f32 = disks.iter().map(factor).sum();
@@ -157,7 +157,7 @@ fn surfels_of_a_sheet_have_few_holes_and_more_sheets_close_them() {
         let hidden = |count: u8| {
             let sheet = |i| disk_mesh(Vec3::new(0.0, height + 1e-3 * f32::from(i), 0.0), radius);
             let (disks, origin) = laid(&scene_of((0..count).map(sheet).collect()), 0.01);
-            (1.0 - arriving::<Occlusion>(&disks, origin, &FEW).x) / right
+            (1.0 - arriving(SKY, &disks, origin, &FEW).x) / right
         };
         let [one, three] = [1, 3].map(hidden);
         assert!((0.75..1.03).contains(&one), "one of {radius} at {height}: {one}");
@@ -168,12 +168,12 @@ fn surfels_of_a_sheet_have_few_holes_and_more_sheets_close_them() {
 #[test]
 fn a_dark_sheet_hides_a_bright_one() {
     let (dark, bright) = (sheet(0.5, 0.0), sheet(0.8, 1.0));
-    let alone = arriving::<Indirect>(&bright, Vec3::ZERO, &FEW).x;
-    let hidden = arriving::<Indirect>(&[dark, bright].concat(), Vec3::ZERO, &FEW).x;
+    let alone = arriving(LIGHT, &bright, Vec3::ZERO, &FEW).x;
+    let hidden = arriving(LIGHT, &[dark, bright].concat(), Vec3::ZERO, &FEW).x;
     assert!(alone > 0.8 && hidden < 0.01, "{alone} alone, {hidden} behind another");
     let (near, far) = (sheet(0.5, 1.0), sheet(0.8, 7.0));
-    let of_near = arriving::<Indirect>(&near, Vec3::ZERO, &FEW).x;
-    let of_both = arriving::<Indirect>(&[far, near].concat(), Vec3::ZERO, &FEW).x;
+    let of_near = arriving(LIGHT, &near, Vec3::ZERO, &FEW).x;
+    let of_both = arriving(LIGHT, &[far, near].concat(), Vec3::ZERO, &FEW).x;
     assert!((of_near - of_both).abs() < 0.02, "{of_near} of the nearer, {of_both} of both");
 }
 
@@ -181,7 +181,7 @@ fn a_dark_sheet_hides_a_bright_one() {
 fn surfels_send_on_the_side_that_is_seen() {
     let turned = |disk: Disk| Disk { normal: -disk.normal, ..disk };
     let turned: Vec<Disk> = sheet(0.5, 1.0).into_iter().map(turned).collect();
-    assert_eq!(arriving::<Indirect>(&turned, Vec3::ZERO, &FEW), Vec3::ZERO);
+    assert_eq!(arriving(LIGHT, &turned, Vec3::ZERO, &FEW), Vec3::ZERO);
 }
 
 #[test]
@@ -191,12 +191,12 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
-    let image = shade::<Indirect>(
+    let image = shade(
         &surface,
         &Matte::all_over(&surface),
         &disks,
-        &Parameters { directions: 4, filter, ..PLAIN },
-        &view,
+        LIGHT,
+        (&Parameters { directions: 4, filter, ..PLAIN }, &view),
     );
     // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
     // its middle it is so within 4 %.
@@ -224,12 +224,12 @@ fn without_a_threshold_levels_change_nothing() {
     let surface = Surface::of(&gbuffer).expect("a surface");
     let disks = surfels::reference::surfels(scene.scene(), &PLAIN.surfels, &view);
     let shaded = |threshold, levels| {
-        shade::<Occlusion>(
+        shade(
             &surface,
             &Matte::all_over(&surface),
             &disks,
-            &Parameters { threshold, levels, ..FEW },
-            &view,
+            SKY,
+            (&Parameters { threshold, levels, ..FEW }, &view),
         )
     };
     let exact = shaded(0.05, 1);
@@ -246,12 +246,12 @@ fn bumpy() -> Surface {
 
 #[test]
 fn the_filter_keeps_an_even_sky() {
-    let image = shade::<Occlusion>(
+    let image = shade(
         &bumpy(),
         &Matte::all_over(&bumpy()),
         &[],
-        &Parameters::of(Quality::High),
-        &view(40, 56, 1.0),
+        SKY,
+        (&Parameters::of(Quality::High), &view(40, 56, 1.0)),
     );
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-5));
 }
@@ -267,12 +267,12 @@ fn the_filter_removes_noise() {
     let view = view(24, 32, 9.0);
     let shaded = |directions, radius| {
         let filter = blur::Parameters { radius, sharpness: 512.0 };
-        shade::<Occlusion>(
+        shade(
             &surface,
             &Matte::all_over(&surface),
             &disks,
-            &Parameters { directions, filter, ..PLAIN },
-            &view,
+            SKY,
+            (&Parameters { directions, filter, ..PLAIN }, &view),
         )
     };
     let right = shaded(1024, 0);
@@ -285,14 +285,14 @@ fn the_filter_removes_noise() {
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.05, near: 0.25 };
-    let mut method = BouncedOcclusion::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
     for (family, [height, width], levels, directions) in [
         (Family::StillLife, [27, 35], 4, 3),
         (Family::Room, [24, 32], 1, 16),
         (Family::Shelves, [21, 43], 6, 1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, directions, ..Parameters::default() };
-        method = method.with(parameters.into());
+        let parameters = Parameters { surfels: coarse, levels, directions, ..Parameters::of(Quality::High) };
+        method = method.with(Disks::new(parameters, OCCLUSION));
         // A ray that just meets a disk in one may just miss it in the other: 0.0047 on an H100.
         prove_twin(&method, &seen(family, height, width), Tolerance { usual: 5e-3, worst: 0.1 });
     }
@@ -302,8 +302,8 @@ fn the_passes_make_what_the_plain_version_does() {
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let surfels = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels, levels: 4, ..Parameters::default() };
-    let method = BouncedIndirect::new(&gpu, parameters.into()).expect("valid shaders");
+    let parameters = Parameters { surfels, levels: 4, ..Parameters::of(Quality::High) };
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
 }
@@ -312,7 +312,7 @@ fn the_passes_light_as_the_plain_version_does() {
 fn where_nothing_is_met_all_is_open() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let (scene, view, gbuffer) = seen(Family::StillLife, 24, 32);
-    let method = BouncedOcclusion::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
     let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-6), "an effect that reaches nowhere");
@@ -334,8 +334,11 @@ fn it_is_nearer_to_truth_than_what_adds_all_surfels_up() {
         let off = |method: &dyn Method| {
             mean_difference(&method.shade(&frame, Repeats::ONCE).expect("an image").image, &truth)
         };
-        let bounced = BouncedOcclusion::new(&gpu, Parameters::of(Quality::High).into()).expect("valid");
-        let surfel = SurfelOcclusion::new(&gpu, surfel::Parameters::of(Quality::High).into()).expect("valid");
+        let bounced = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
+        let surfel = ScreenMethod::new(
+            &gpu,
+            Disks::new(surfel::Parameters::of(Quality::High), surfel::occlusion::OCCLUSION),
+        );
         let [near, far] = [off(&bounced), off(&surfel)];
         assert!(near < 0.09 && near < 0.7 * far, "{family:?}: {near} off, all surfels {far}");
     }

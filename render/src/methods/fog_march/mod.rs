@@ -17,12 +17,10 @@ mod tests;
 
 use super::{Quality, single_scattering};
 use crate::raster::light::shadow_sampler;
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Step, Technique, View, Written};
-use crate::surfels::frame;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
@@ -32,9 +30,6 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
-
-/// The method, compiled for a device.
-pub type FogMarch = Compiled<Parameters>;
 
 impl Parameters {
     /// More time is more steps.
@@ -56,36 +51,21 @@ impl Parameters {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "gpu-march";
-    const EFFECT: Effect = Effect::FogDirect;
-    const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    /// It is compiled for a scene's medium.
-    type Passes = ();
-
-    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
-        Ok(())
+    fn about(&self) -> About {
+        About::beyond_screen("gpu-march", Effect::FogDirect, single_scattering::ATTRIBUTES)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         vec![bytes_of(&self.settings(view)).to_vec(), bytes_of(&camera).to_vec()]
     }
 
-    fn steps(
-        &self,
-        (): &(),
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let (gbuffer, world) = (inputs.gbuffer, frame::scene(inputs.world)?);
-        let source = wgsl::FOG_MARCH.specialised(&[("MEDIUM", world.medium.kind)]);
-        let pass = Pass::new(device, wgsl::FOG_MARCH.name, &source)?;
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, world, output) = (to.device, to.scene()?, to.output);
+        let pass = device.pass(Shader::at("methods/fog-march/march"), &[("MEDIUM", world.medium.kind)])?;
         let sampler = shadow_sampler(device);
-        let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
-        let [settings, view] = uniforms else { unreachable!("it has two uniform buffers") };
+        let [valid, position] = to.seen([Attribute::Valid, Attribute::Position]);
+        let [settings, view] = to.uniforms else { unreachable!("it has two uniform buffers") };
         let of_lamp = |number: u32| {
             let lamp = gpu::uniform(device, "fog-march.lamp", &uniforms::OfLamp { number })?;
             let own = [(0, settings), (1, view), (7, valid), (8, position), (9, output), (13, &lamp)];
@@ -96,14 +76,15 @@ impl Technique for Parameters {
                 &sampler,
             ));
             let pass = pass.bind_at(device, resources)?;
-            let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-            Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] })
+            Ok(MethodStep {
+                step: Step { pass, workgroups: to.whole().into() },
+                writes: vec![output.clone()],
+            })
         };
         (0..world.gpu_lights.count as u32).map(of_lamp).collect()
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| Ok(reference::shade(inputs.gbuffer, scene, *self, view)?.data().to_vec());
-        inputs.scene.map(shaded).into_iter().collect()
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, *self, view))
     }
 }

@@ -14,19 +14,17 @@
 //! Limits. Froxels do not end where surfaces do: in a room in fog that reaches far beyond it few slices are within. A binding
 //! holds 8 million: at 1920x1080 `high` and `ultra` have 64 slices in place of 96 and 128.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::{Quality, single_scattering};
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::raster::light::shadow_sampler;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -50,9 +48,6 @@ const LEAST_SLICES: u32 = 32;
 
 /// After so many frames the places at which light is looked for begin anew.
 const FRAMES: u32 = 1024;
-
-/// The method, compiled for a device.
-pub type Froxel = Compiled<Parameters>;
 
 impl Parameters {
     /// More time is more froxels; medium is about the 160 x 90 x 64 of the sources at 1280 x 720.
@@ -104,35 +99,45 @@ impl Parameters {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "froxel";
-    const EFFECT: Effect = Effect::FogDirect;
-    const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::beyond_screen("froxel", Effect::FogDirect, single_scattering::ATTRIBUTES)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         vec![bytes_of(&self.settings(view)).to_vec(), bytes_of(&camera).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, inputs, *self, uniforms, output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, world) = (to.device, to.scene()?);
+        let [settings, view] = to.uniforms else { unreachable!("it has two uniform buffers") };
+        let ([rows, columns], slices) = (self.grid(to.size()), self.slices_of(to.size()));
+        let froxels = |label: &str| gpu::empty::<[f32; 4]>(device, label, rows * columns * slices as usize);
+        let (scattered, sums) = (froxels("froxel.scattered")?, froxels("froxel.sums")?);
+        let [valid, position] = to.seen([Attribute::Valid, Attribute::Position]);
+        let record = &world.medium.record;
+
+        let [lights, medium] = single_scattering::constants(world);
+        let sampler = shadow_sampler(device);
+        let own = [(0, settings), (1, view), (7, &scattered)]
+            .map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
+        let resources =
+            own.into_iter().chain(single_scattering::bindings(world, &world.gpu_lights.records, &sampler));
+        let scatter = device.pass(Shader::at("methods/froxel/scatter"), &[lights, medium])?;
+        let scatter = scatter.bind_at(device, resources)?;
+        let integrate = device.pass(Shader::at("methods/froxel/integrate"), &[])?;
+        let apply = device.pass(Shader::at("methods/froxel/apply"), &[medium])?;
+        let [x, y, _] = gpu::groups(rows, columns, TILE);
+        let scatter = Step { pass: scatter, workgroups: [x, y, slices].into() };
+        let read = [settings, view, record, valid, position, &sums];
+        Ok(vec![
+            MethodStep { step: scatter, writes: vec![scattered.clone()] },
+            MethodStep::bind(device, &integrate, [x, y, 1], &[settings, record, &scattered], &[&sums])?,
+            MethodStep::bind(device, &apply, to.whole(), &read, &[to.output])?,
+        ])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded =
-            |scene| Ok(reference::shade(inputs.gbuffer, scene, &self.settings(view), view)?.data().to_vec());
-        inputs.scene.map(shaded).into_iter().collect()
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, &self.settings(view), view))
     }
 }

@@ -4,13 +4,13 @@
 use super::*;
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{foggy, prove_twin};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use deepshade_shaders::gpu::Gpu;
 
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Froxel::new(&gpu, Parameters { tile: 3, slices: 20, samples: 2 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters { tile: 3, slices: 20, samples: 2 });
     for frame in foggy() {
         // Shadow maps end within a texel of where shadows do.
         prove_twin(&method, &frame, Tolerance { usual: 4e-4, worst: 0.01 });

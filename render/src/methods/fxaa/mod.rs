@@ -17,18 +17,16 @@
 //! the g-buffer of the effect. Its rivals (morphological anti-aliasing, SMAA, CMAA2) recognise shapes of edges and need
 //! several passes over lists of them; this is the one that the thesis names.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::{Picture, Quality, images};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// Most steps of a search.
 const MOST_STEPS: usize = 12;
@@ -49,23 +47,9 @@ pub struct Parameters {
     pub subpixel: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type Fxaa = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "fxaa";
-    const EFFECT: Effect = Effect::Aa;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Light, Attribute::Valid];
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen("fxaa", Effect::Aa, &[Attribute::Light, Attribute::Valid])
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
@@ -73,15 +57,21 @@ impl Technique for Parameters {
         vec![bytes_of(&fxaa).to_vec(), bytes_of(&lengths).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, inputs.gbuffer, uniforms, output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, [settings, lengths]) = (to.device, to.uniforms) else {
+            unreachable!("the method has two uniform buffers")
+        };
+        // [1, height, width]
+        let luma = gpu::empty::<f32>(device, "fxaa.luma", to.size().iter().product())?;
+        let [light, valid] = to.seen([Attribute::Light, Attribute::Valid]);
+        let step = |file, reads: &[&wgpu::Buffer], written: &wgpu::Buffer| {
+            MethodStep::bind(device, &device.pass(file, &[])?, to.whole(), reads, &[written])
+        };
+        let smooth = [settings, light, valid, &luma, lengths];
+        Ok(vec![
+            step(Shader::at("methods/fxaa/luma"), &[settings, light, valid], &luma)?,
+            step(Shader::at("methods/fxaa/smooth"), &smooth, to.output)?,
+        ])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

@@ -7,6 +7,7 @@ use crate::methods::proving::{
     Tolerance, everything, lit_still_life, picture_of, prove_comparator, prove_twin, view,
 };
 use crate::path::{self, Sampling, Shot};
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
@@ -26,7 +27,7 @@ fn smoothed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
 #[test]
 fn what_is_flat_stays_bit_for_bit() {
     let colour = Vec3::new(0.3, 7.7, 1e-3);
-    let flat = smoothed(&picture_of(HEIGHT, WIDTH, |_| Some(colour)), &Parameters::default());
+    let flat = smoothed(&picture_of(HEIGHT, WIDTH, |_| Some(colour)), &Parameters::of(Quality::High));
     assert_eq!(flat, Planes::from_fn(3, HEIGHT, WIDTH, |c, _, _| colour[c]));
 }
 
@@ -53,7 +54,7 @@ fn edges_along_rows_and_columns_stay_almost_as_they_are() {
     let row = picture_of(HEIGHT, WIDTH, step(20.0, 0.0));
     let column = picture_of(HEIGHT, WIDTH, |at| step(20.0, 0.0)(IVec2::new(at.y, at.x)));
     for sharp in [row, column] {
-        let image = smoothed(&sharp, &Parameters::default());
+        let image = smoothed(&sharp, &Parameters::of(Quality::High));
         let light = sharp.select(&[Attribute::Light]).expect("light");
         let worst = image.data().iter().zip(light.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         // A third of the range from its neighbours' mean: smoothstep(1/3)^2 = 0.067 of `subpixel`.
@@ -86,7 +87,7 @@ fn a_slanted_edge_becomes_a_ramp_near_to_its_coverage() {
 #[test]
 fn a_brighter_picture_gives_the_same_brighter() {
     let gbuffer = lit_still_life(HEIGHT, WIDTH);
-    let parameters = Parameters { least_contrast: 0.0, ..Parameters::default() };
+    let parameters = Parameters { least_contrast: 0.0, ..Parameters::of(Quality::High) };
     let image = smoothed(&gbuffer, &parameters);
     let brighter = picture_of(HEIGHT, WIDTH, |at| {
         let light = Picture::of(&gbuffer).expect("a picture").light_at(at);
@@ -101,12 +102,12 @@ fn a_brighter_picture_gives_the_same_brighter() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = Fxaa::new(&gpu, Parameters::default()).expect("valid shaders");
+    let fxaa = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let blurry = Parameters { subpixel: 1.0, contrast: 0.05, ..Parameters::of(Quality::Low) };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::default()),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
         (HEIGHT, WIDTH, blurry),
-        (1, 1, Parameters::default()),
+        (1, 1, Parameters::of(Quality::High)),
         (17, 5, Parameters::of(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -118,7 +119,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&smoothed(&lit_still_life(HEIGHT, WIDTH), &Parameters::default()), TOLERANCE);
+    prove_comparator(&smoothed(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
 }
 
 #[test]
@@ -128,7 +129,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, &[Attribute::Light, Attribute::Valid]);
     let truth = path::render(Effect::Aa, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = Fxaa::new(&gpu, Parameters::default()).expect("valid shaders");
+    let fxaa = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let image = crate::methods::proving::on_gpu(&fxaa, &gbuffer, None, &view);
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let error = |image: &Planes| crate::metrics::relative_mse(image, &truth);

@@ -13,18 +13,16 @@
 //! neither gives nor takes, in truth neither. Its rival, the two blurs of `methods/separable`, has no noise and does not
 //! converge.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::{Quality, Translucent, images};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -34,39 +32,34 @@ pub struct Parameters {
     pub samples: u32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type Gather = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "gather";
-    const EFFECT: Effect = Effect::Sss;
-    const ATTRIBUTES: &'static [Attribute] =
-        &[Attribute::Position, Attribute::MeanFreePath, Attribute::Light, Attribute::Valid];
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen(
+            "gather",
+            Effect::Sss,
+            &[Attribute::Position, Attribute::MeanFreePath, Attribute::Light, Attribute::Valid],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         vec![bytes_of(&self.settings(view)).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, inputs.gbuffer, &uniforms[0], output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, settings) = (to.device, &to.uniforms[0]);
+        // [1, height, width]
+        let areas = gpu::empty::<f32>(device, "gather.areas", to.size().iter().product())?;
+        let [light, valid, position, length] =
+            to.seen([Attribute::Light, Attribute::Valid, Attribute::Position, Attribute::MeanFreePath]);
+        let step = |file, reads: &[(u32, &wgpu::Buffer)], written: (u32, &wgpu::Buffer)| {
+            MethodStep::bind_at(device, &device.pass(file, &[])?, to.whole(), reads, &[written])
+        };
+        let gather = [(0, settings), (1, light), (2, valid), (3, position), (4, length), (5, &areas)];
+        let seen = [(0, settings), (2, valid), (3, position)];
+        Ok(vec![
+            step(Shader::at("methods/gather/areas"), &seen, (5, &areas))?,
+            step(Shader::at("methods/gather/gather"), &gather, (6, to.output))?,
+        ])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

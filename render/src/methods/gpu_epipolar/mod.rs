@@ -27,12 +27,11 @@ pub mod reference;
 mod tests;
 
 use super::{Quality, single_scattering};
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use deepshade_shaders::{Effect, MissingAttribute};
 
 /// Light rays of a tree.
 const LEAVES: usize = 64;
@@ -56,9 +55,6 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
-
-/// The method, compiled for a device.
-pub type GpuEpipolar = Compiled<Parameters>;
 
 impl Parameters {
     /// More time is more light rays.
@@ -99,37 +95,23 @@ impl Parameters {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "gpu-epipolar";
-    const EFFECT: Effect = Effect::FogDirect;
-    const ATTRIBUTES: &'static [Attribute] = single_scattering::ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    const WANTS_EVEN_FOG: bool = true;
-    /// They are compiled for a scene's lamps and medium.
-    type Passes = ();
-
-    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
-        Ok(())
+    fn about(&self) -> About {
+        About {
+            wants_even_fog: true,
+            ..About::beyond_screen("gpu-epipolar", Effect::FogDirect, single_scattering::ATTRIBUTES)
+        }
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         vec![bytes_of(&self.settings(view)).to_vec(), bytes_of(&camera).to_vec()]
     }
 
-    fn steps(
-        &self,
-        (): &(),
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes::steps(device, inputs, *self, uniforms, output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::steps(*self, to)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded =
-            |scene| Ok(reference::shade(inputs.gbuffer, scene, &self.settings(view), view)?.data().to_vec());
-        inputs.scene.map(shaded).into_iter().collect()
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, &self.settings(view), view))
     }
 }

@@ -5,21 +5,21 @@ use super::*;
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{foggy, prove_twin};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use deepshade_shaders::gpu::Gpu;
 
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let parameters = Parameters { light_rays: 256, ..Parameters::of(Quality::Low) };
-    let method = GpuEpipolar::new(&gpu, parameters).expect("a device");
+    let method = ScreenMethod::new(&gpu, parameters);
     prove_twin(&method, &foggy().remove(0), Tolerance { usual: 4e-4, worst: 0.02 });
 }
 
 #[test]
 fn grids_are_refused_by_name() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = GpuEpipolar::new(&gpu, Parameters::of(Quality::Low)).expect("a device");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::Low));
     let (scene, view, gbuffer) = &foggy()[1];
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: 1.0, seed: 1 };
     let refused = Method::shade(&method, &frame, Repeats::ONCE).expect_err("a grid").to_string();

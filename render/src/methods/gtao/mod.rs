@@ -21,11 +21,10 @@ mod tests;
 
 pub use processor::on_processor;
 
-use super::{Quality, Surface, blur, images, march, slices};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::{self, uniforms};
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use super::{Quality, Surface, blur, march::Marched, slices};
+use crate::screen::{PlainInputs, View};
+use deepshade_shaders::wgsl::{Shader, uniforms};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -34,12 +33,6 @@ pub struct Parameters {
     pub slices: slices::Parameters,
     /// What removes its noise.
     pub blur: blur::Parameters,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
 }
 
 impl Parameters {
@@ -61,55 +54,32 @@ impl Parameters {
             blur: blur::Parameters { radius: blur_radius, sharpness: 1024.0 },
         }
     }
-
-    /// The passes' parameters for a view.
-    pub fn settings(&self, view: &View) -> Settings {
-        Settings { march: self.slices.settings(view), blurs: self.blur.settings(view, Effect::Ao) }
-    }
 }
 
-/// Parameters of the three passes for one frame, as the GPU reads them.
-pub type Settings = march::Settings<uniforms::Slices>;
-
-/// The method, compiled for a device.
-pub type Gtao = Compiled<Parameters>;
-
-impl Technique for Parameters {
+impl Marched for Parameters {
     const NAME: &'static str = "gtao";
     const EFFECT: Effect = Effect::Ao;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = march::Passes;
+    const SHADER: Shader = Shader::at("methods/gtao/occlusion");
+    type March = uniforms::Slices;
 
-    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
-        march::Passes::new(device, &wgsl::GTAO_OCCLUSION, Self::EFFECT)
+    fn march(&self, view: &View) -> uniforms::Slices {
+        self.slices.settings(view)
     }
 
-    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        self.settings(view).uniforms()
+    fn blur(&self) -> blur::Parameters {
+        self.blur
     }
 
-    fn steps(
+    fn noisy(
         &self,
-        passes: &march::Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let reads = march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[] };
-        passes.steps(device, reads, uniforms, output)
+        _inputs: &PlainInputs<'_>,
+        surface: &Surface,
+        march: &uniforms::Slices,
+    ) -> Result<Planes, MissingAttribute> {
+        Ok(reference::occlude(surface, march))
     }
 
-    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &self.settings(view))))
-    }
-
-    fn on_processor(
-        &self,
-        inputs: &PlainInputs<'_>,
-        view: &View,
-    ) -> Option<Result<Written, MissingAttribute>> {
-        let surface = Surface::of(inputs.gbuffer);
-        Some(surface.map(|surface| images(on_processor(&surface, &self.settings(view)))))
+    fn on_processor(&self, surface: &Surface, view: &View) -> Option<[Planes; 3]> {
+        Some(on_processor(self, surface, view))
     }
 }

@@ -1,14 +1,8 @@
-//! The slow, plain version of `occlusion.wgsl`, and the blur.
+//! The slow, plain version of `occlusion.wgsl`.
 
-use super::Settings;
-use crate::methods::{Surface, march, slices};
+use crate::methods::{Surface, slices};
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::Vec3;
-
-/// Openness before the blur, after that along rows, and after both, `[1, height, width]` each.
-pub fn shade(surface: &Surface, settings: &Settings) -> [Planes; 3] {
-    march::blurred(surface, &settings.blurs, occlude(surface, &settings.march))
-}
 
 /// Openness before the blur, `[1, height, width]`: `occlusion.wgsl`.
 pub fn occlude(surface: &Surface, settings: &uniforms::Slices) -> Planes {

@@ -3,6 +3,7 @@
 use super::*;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::march::blurred;
 use crate::methods::proving::receiver::{Met, Receiver, below_disk, beside_wall};
 use crate::methods::proving::{
     Tolerance, agree, corner, everything, gbuffer_of, mean_difference, plane, prove_comparator, prove_twin,
@@ -11,7 +12,6 @@ use crate::methods::proving::{
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::screen::ScreenMethod;
-use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::Gpu;
 use glam::Vec3;
 
@@ -35,8 +35,12 @@ fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3
 }
 
 fn openness(surface: &Surface, parameters: &Parameters, radius: f32) -> Planes {
-    let [.., image] =
-        reference::shade(surface, &parameters.settings(&view(surface.height, surface.width, radius)));
+    seen_openness(surface, parameters, &view(surface.height, surface.width, radius))
+}
+
+fn seen_openness(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
+    let noisy = reference::occlude(surface, &parameters.march(view));
+    let [.., image] = blurred(parameters, surface, view, noisy);
     image
 }
 
@@ -93,7 +97,7 @@ fn a_sphere_on_a_plane_has_its_integral() {
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let openness = openness(&surface, &Parameters::default(), 1.0);
+    let openness = openness(&surface, &Parameters::of(Quality::High), 1.0);
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
     assert!(sky.len() > 100 && sky.iter().all(|i| openness.data()[*i] == 1.0));
@@ -104,7 +108,7 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = Gtao::new(&gpu, Parameters::default()).expect("valid shaders");
+    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
@@ -122,10 +126,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let right = openness(&surface, &Parameters::default(), 1.0);
+    let right = openness(&surface, &Parameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let [.., reseeded] = reference::shade(&surface, &Parameters::default().settings(&view));
+    let reseeded = seen_openness(&surface, &Parameters::of(Quality::High), &view);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
@@ -134,7 +138,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     let (scene, radius) = (corner(), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = Gtao::new(&gpu, Parameters::default()).expect("valid shaders");
+    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, gtao.attributes());
     let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
     let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;

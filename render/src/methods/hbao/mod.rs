@@ -22,11 +22,10 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Quality, Surface, blur, images, march};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::{self, uniforms};
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use super::{Quality, Surface, blur, march::Marched};
+use crate::screen::{PlainInputs, View};
+use deepshade_shaders::wgsl::{Shader, uniforms};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -55,61 +54,10 @@ pub struct Parameters {
     pub blur_sharpness: f32,
 }
 
-impl Default for Parameters {
-    /// 16 directions of 24 steps as in the thesis (7.4); the rest is what `deepshade tune` found best on validation views
-    /// of `dataset/recipes/ao-thesis.toml`.
-    fn default() -> Self {
-        Self {
-            radius_scale: 1.2,
-            bias: 0.15,
-            strength: 1.3,
-            directions: 16,
-            steps: 24,
-            blur_radius: 4,
-            blur_sharpness: 1024.0,
-        }
-    }
-}
-
-/// The method, compiled for a device.
-pub type Hbao = Compiled<Parameters>;
-
-impl Technique for Parameters {
-    const NAME: &'static str = "hbao";
-    const EFFECT: Effect = Effect::Ao;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = march::Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
-        march::Passes::new(device, &wgsl::HBAO_OCCLUSION, Self::EFFECT)
-    }
-
-    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        self.settings(view).uniforms()
-    }
-
-    fn steps(
-        &self,
-        passes: &march::Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let reads = march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[] };
-        passes.steps(device, reads, uniforms, output)
-    }
-
-    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &self.settings(view))))
-    }
-}
-
-/// Parameters of the three passes for one frame, as the GPU reads them.
-pub type Settings = march::Settings<uniforms::Hbao>;
-
 impl Parameters {
-    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur.
+    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur. The thesis has 16
+    /// directions of 24 steps (7.4); the rest is what `deepshade tune` found best on validation views of
+    /// `dataset/recipes/ao-thesis.toml`.
     pub fn of(quality: Quality) -> Self {
         let (directions, steps) = match quality {
             Quality::Low => (4, 6),
@@ -117,13 +65,27 @@ impl Parameters {
             Quality::High => (16, 24),
             Quality::Ultra => (32, 48),
         };
-        Self { directions, steps, ..Self::default() }
+        Self {
+            radius_scale: 1.2,
+            bias: 0.15,
+            strength: 1.3,
+            directions,
+            steps,
+            blur_radius: 4,
+            blur_sharpness: 1024.0,
+        }
     }
+}
 
-    /// The passes' parameters for a view.
-    pub fn settings(&self, view: &View) -> Settings {
+impl Marched for Parameters {
+    const NAME: &'static str = "hbao";
+    const EFFECT: Effect = Effect::Ao;
+    const SHADER: Shader = Shader::at("methods/hbao/occlusion");
+    type March = uniforms::Hbao;
+
+    fn march(&self, view: &View) -> uniforms::Hbao {
         let (width, height) = (view.width as u32, view.height as u32);
-        let march = uniforms::Hbao {
+        uniforms::Hbao {
             width,
             height,
             directions: self.directions.max(1),
@@ -134,8 +96,19 @@ impl Parameters {
             bias_sine: self.bias.sin(),
             bias_cosine: self.bias.cos(),
             strength: self.strength,
-        };
-        let blur = blur::Parameters { radius: self.blur_radius, sharpness: self.blur_sharpness };
-        Settings { march, blurs: blur.settings(view, Effect::Ao) }
+        }
+    }
+
+    fn blur(&self) -> blur::Parameters {
+        blur::Parameters { radius: self.blur_radius, sharpness: self.blur_sharpness }
+    }
+
+    fn noisy(
+        &self,
+        _inputs: &PlainInputs<'_>,
+        surface: &Surface,
+        march: &uniforms::Hbao,
+    ) -> Result<Planes, MissingAttribute> {
+        Ok(reference::occlude(surface, march))
     }
 }

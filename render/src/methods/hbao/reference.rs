@@ -1,15 +1,9 @@
-//! The slow, plain version of `occlusion.wgsl`, kept so close to it that both can be read side by side, and the blur.
+//! The slow, plain version of `occlusion.wgsl`, kept so close to it that both can be read side by side.
 
-use super::Settings;
-use crate::methods::{Surface, march};
+use crate::methods::Surface;
 use deepshade_shaders::{Planes, random, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::PI;
-
-/// Openness before the blur, after that along rows, and after both, `[1, height, width]` each.
-pub fn shade(surface: &Surface, settings: &Settings) -> [Planes; 3] {
-    march::blurred(surface, &settings.blurs, occlude(surface, &settings.march))
-}
 
 /// Openness before the blur, `[1, height, width]`: `occlusion.wgsl`.
 pub fn occlude(surface: &Surface, hbao: &uniforms::Hbao) -> Planes {

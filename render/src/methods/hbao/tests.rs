@@ -3,12 +3,14 @@
 use super::*;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::march::blurred;
 use crate::methods::proving::{
     Tolerance, agree, corner, gbuffer_of, nearest, plane, prove_comparator, prove_twin, still_life, view,
 };
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
-use deepshade_shaders::Planes;
+use crate::screen::ScreenMethod;
+use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::Gpu;
 use glam::Vec3;
 
@@ -33,15 +35,17 @@ fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3
     Surface::of(&gbuffer_of(height, width, hit)).expect("all attributes")
 }
 
-fn settings(parameters: &Parameters, surface: &Surface, radius: f32) -> Settings {
-    parameters.settings(&view(surface.height, surface.width, radius))
+fn openness(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
+    let noisy = reference::occlude(surface, &parameters.march(view));
+    let [.., image] = blurred(parameters, surface, view, noisy);
+    image
 }
 
 #[test]
 fn a_plane_is_open_however_it_is_tilted() {
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(-2.0, 1.0, 1.0), Vec3::new(0.0, 6.0, 1.0)] {
         let surface = surface(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
-        let [.., openness] = reference::shade(&surface, &settings(&PLAIN, &surface, 1.5));
+        let openness = openness(&surface, &PLAIN, &view(surface.height, surface.width, 1.5));
         let darkest = openness.data().iter().fold(1.0f32, |a, b| a.min(*b));
         assert!(darkest > 0.999, "normal {normal}: {darkest}");
     }
@@ -60,7 +64,7 @@ fn a_step_occludes_as_its_integral_says() {
         nearest([low, high])
     });
     let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
-    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, radius));
+    let openness = openness(&surface, &parameters, &view(surface.height, surface.width, radius));
     let mut compared = 0;
     for x in 0..width {
         let at = surface.position.at(0, height / 2, x);
@@ -96,7 +100,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
         nearest([wall(Vec3::new(1.0, 0.0, 1.0)), wall(Vec3::new(-1.0, 0.0, 1.0))])
     });
     let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
-    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, 1.2));
+    let openness = openness(&surface, &parameters, &view(surface.height, surface.width, 1.2));
     let row: Vec<f32> = (0..=size / 2).map(|x| openness.at(0, size / 2, x)).collect();
     let corner = row[size / 2];
     assert!(row[0] > 0.999 && row[10] > 0.99, "open far from the corner: {row:?}");
@@ -110,8 +114,8 @@ fn a_corner_darkens_steadily_from_open_to_half() {
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let parameters = Parameters { strength: 3.0, ..Parameters::default() };
-    let [.., openness] = reference::shade(&surface, &settings(&parameters, &surface, 1.0));
+    let parameters = Parameters { strength: 3.0, ..Parameters::of(Quality::High) };
+    let openness = openness(&surface, &parameters, &view(surface.height, surface.width, 1.0));
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
     assert!(sky.len() > 100 && sky.len() < HEIGHT * WIDTH / 2, "{} pixels of sky", sky.len());
@@ -123,13 +127,18 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let hbao = Hbao::new(&gpu, Parameters::default()).expect("valid shaders");
-    let coarse =
-        Parameters { directions: 5, steps: 7, strength: 1.7, blur_radius: 0, ..Parameters::default() };
+    let hbao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let coarse = Parameters {
+        directions: 5,
+        steps: 7,
+        strength: 1.7,
+        blur_radius: 0,
+        ..Parameters::of(Quality::High)
+    };
     for (height, width, parameters, radius) in [
-        (HEIGHT, WIDTH, Parameters::default(), 1.0),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High), 1.0),
         (HEIGHT, WIDTH, coarse, 3.0),
-        (1, 1, Parameters::default(), 1.0),
+        (1, 1, Parameters::of(Quality::High), 1.0),
         (17, 5, coarse, 0.4),
     ] {
         let view = view(height, width, radius);
@@ -140,10 +149,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let [.., right] = reference::shade(&surface, &settings(&Parameters::default(), &surface, 1.0));
+    let right = openness(&surface, &Parameters::of(Quality::High), &view(surface.height, surface.width, 1.0));
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let [.., reseeded] = reference::shade(&surface, &Parameters::default().settings(&view));
+    let reseeded = openness(&surface, &Parameters::of(Quality::High), &view);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
@@ -161,7 +170,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
     let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let hbao = Hbao::new(&gpu, Parameters::default()).expect("valid shaders");
+    let hbao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };
     let shaded = hbao.shade(&frame, Repeats { warm_up: 1, timed: 3 }).expect("runs");
     let error = |image: &Planes| -> f32 {
@@ -172,7 +181,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     assert!(white > 0.03 && found < 0.5 * white, "white {white}, hbao {found}");
     assert!(shaded.milliseconds > 0.0);
 
-    let faint = hbao.with(Parameters { strength: 0.0, ..Parameters::default() });
+    let faint = hbao.with(Parameters { strength: 0.0, ..Parameters::of(Quality::High) });
     let faint = faint.shade(&frame, Repeats::ONCE).expect("runs").image;
     // The blur divides by its weights, and GPUs divide to the last digits only nearly.
     assert!(faint.data().iter().all(|value| (value - 1.0).abs() < 1e-6), "no strength, no occlusion");

@@ -3,65 +3,52 @@
 
 use super::Parameters;
 use super::lit_volume::LitVolumes;
-use super::passes::{self, Filled, Passes, Pixel, Shown};
+use super::passes::{self, Filled, Pixel, Shown};
 use super::reference;
 use super::shown::Marched;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-
-/// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have reflected, shown
-/// by the medium.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Multiple(pub Parameters);
-
-/// Light that one surface has reflected and that was not scattered yet, shown by what is said.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Indirect(pub Parameters, pub Pixel);
-
-/// `fog-multiple`, compiled for a device.
-pub type MultipleScattering = Compiled<Multiple>;
-
-/// `fog-indirect`, compiled for a device.
-pub type IndirectScattering = Compiled<Indirect>;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 
 /// What of light in a medium is shown where.
-#[derive(Clone, Copy)]
-struct InMedium {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InMedium {
     parameters: Parameters,
     light: Shown,
     pixel: Pixel,
 }
 
-impl From<Parameters> for Multiple {
-    fn from(parameters: Parameters) -> Self {
-        Self(parameters)
-    }
-}
-
-/// Shown by the medium, which is what the effect `fog-indirect` is.
-impl From<Parameters> for Indirect {
-    fn from(parameters: Parameters) -> Self {
-        Self(parameters, Pixel { medium: true, surface: false })
-    }
-}
-
-impl From<Multiple> for InMedium {
-    fn from(Multiple(parameters): Multiple) -> Self {
+impl InMedium {
+    /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have reflected,
+    /// shown by the medium: `fog-multiple`.
+    pub const fn multiple(parameters: Parameters) -> Self {
         Self { parameters, light: Shown::Multiple, pixel: Pixel { medium: true, surface: true } }
     }
-}
 
-impl From<Indirect> for InMedium {
-    fn from(Indirect(parameters, pixel): Indirect) -> Self {
+    /// Light that one surface has reflected and that was not scattered yet, shown by the medium: `fog-indirect`.
+    pub const fn indirect(parameters: Parameters) -> Self {
+        Self::indirect_at(parameters, Pixel { medium: true, surface: false })
+    }
+
+    /// The same, shown by what is said.
+    pub const fn indirect_at(parameters: Parameters, pixel: Pixel) -> Self {
         Self { parameters, light: Shown::Reflected { by_surfaces: pixel.surface }, pixel }
     }
 }
 
-impl InMedium {
-    fn uniforms(self, view: &View) -> Vec<Vec<u8>> {
+impl Technique for InMedium {
+    fn about(&self) -> About {
+        let effect = match self.light {
+            Shown::Multiple => Effect::FogMultiple,
+            Shown::Reflected { .. } => Effect::FogIndirect,
+        };
+        let seen = &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
+        About::beyond_screen("lpv", effect, seen)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         let (width, height) = (view.width as u32, view.height as u32);
         let march = uniforms::Marching { width, height, steps: self.parameters.steps, seed: view.seed };
         let mut all = passes::uniforms(view, f32::MAX);
@@ -69,70 +56,21 @@ impl InMedium {
         all
     }
 
-    fn steps(
-        self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let filled = Filled::Medium(self.light);
-        let (volumes, mut steps) = passes.volume_steps(device, inputs, self.parameters, uniforms, filled)?;
-        let [.., march] = uniforms else { unreachable!("the march has a uniform buffer") };
-        let (view, scale) = (&uniforms[passes::VIEW], self.parameters.scale);
-        let marched = Marched { inputs, view, march, pixel: self.pixel, scale };
-        steps.extend(marched.steps(device, &volumes, output)?);
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (volumes, mut steps) = passes::volume_steps(to, self.parameters, Filled::Medium(self.light))?;
+        let [.., march] = to.uniforms else { unreachable!("the march has a uniform buffer") };
+        let (view, scale) = (&to.uniforms[passes::VIEW], self.parameters.scale);
+        steps.extend(Marched { to, view, march, pixel: self.pixel, scale }.steps(&volumes)?);
         Ok(steps)
     }
 
-    fn reference(self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let Some(scene) = inputs.scene else { return Ok(Written::new()) };
-        let Some(medium) = scene.scene().medium.as_deref() else {
-            return Ok(vec![vec![0.0; 3 * view.height * view.width]]);
-        };
-        let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
-        let image = reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (self.pixel, view))?;
-        Ok(vec![image.data().to_vec()])
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        inputs.image_of_scene(|scene| {
+            let Some(medium) = scene.scene().medium.as_deref() else {
+                return Ok(Planes::filled(3, view.height, view.width, 0.0));
+            };
+            let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
+            reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (self.pixel, view))
+        })
     }
 }
-
-/// Both are the same technique but for their effect.
-macro_rules! technique {
-    ($name:ident, $effect:expr) => {
-        impl Technique for $name {
-            const NAME: &'static str = "lpv";
-            const EFFECT: Effect = $effect;
-            const ATTRIBUTES: &'static [Attribute] =
-                &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
-            const LOOKS_BEYOND: bool = true;
-            type Passes = Passes;
-
-            fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-                Passes::new(device)
-            }
-
-            fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-                InMedium::from(*self).uniforms(view)
-            }
-
-            fn steps(
-                &self,
-                passes: &Passes,
-                device: &wgpu::Device,
-                inputs: &Inputs<'_>,
-                uniforms: &[wgpu::Buffer],
-                output: &wgpu::Buffer,
-            ) -> Result<Vec<MethodStep>, GpuError> {
-                InMedium::from(*self).steps(passes, device, inputs, uniforms, output)
-            }
-
-            fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-                InMedium::from(*self).reference(inputs, view)
-            }
-        }
-    };
-}
-
-technique!(Multiple, Effect::FogMultiple);
-technique!(Indirect, Effect::FogIndirect);

@@ -50,11 +50,11 @@ mod tests;
 use super::Quality;
 use crate::lpv::{LightGrid, Scheme};
 use crate::scene::Bounds;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
-use passes::{Filled, Passes};
+use passes::Filled;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -78,12 +78,6 @@ pub struct Parameters {
     pub scheme: Scheme,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// More time is more cells, and iterations for light to cross them three times: after one crossing of a closed room in fog
     /// half of the light is still on its way.
@@ -105,33 +99,17 @@ impl Parameters {
     }
 }
 
-/// Diffuse indirect light by the grid. Its parameters are those of the volume.
-pub type LightVolume = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "lpv";
-    const EFFECT: Effect = Effect::Gi;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    const LOOKS_BEYOND: bool = true;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::beyond_screen("lpv", Effect::Gi, &[Attribute::Position, Attribute::Normal, Attribute::Valid])
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         passes::uniforms(view, view.radius)
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.lit_steps(device, inputs, *self, uniforms, (Filled::Clear, output))
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::lit_steps(to, *self, Filled::Clear)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
@@ -141,38 +119,19 @@ impl Technique for Parameters {
 
 /// Diffuse light of phosphorescence by the grid: its only light is what surfels give back of light that they kept.
 #[derive(Clone, Copy, Debug)]
-pub struct KeptLight(Parameters);
-
-impl From<Parameters> for KeptLight {
-    fn from(parameters: Parameters) -> Self {
-        Self(parameters)
-    }
-}
+pub struct KeptLight(pub Parameters);
 
 impl Technique for KeptLight {
-    const NAME: &'static str = Parameters::NAME;
-    const EFFECT: Effect = Effect::PhosphorGi;
-    const ATTRIBUTES: &'static [Attribute] = Parameters::ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About { effect: Effect::PhosphorGi, ..self.0.about() }
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         self.0.uniforms(view)
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.lit_steps(device, inputs, self.0, uniforms, (Filled::Kept, output))
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::lit_steps(to, self.0, Filled::Kept)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

@@ -6,15 +6,14 @@ use super::shining::Shining;
 use super::shown::VolumeOnGpu;
 use crate::lpv::propagation::Kinds;
 use crate::raster::World;
-use crate::raster::view::perspective;
 use crate::scene::{Bounds, Scene};
-use crate::screen::{Inputs, MethodStep, View, Workgroups};
+use crate::screen::{Device, MethodStep, Resources, View, Workgroups};
 use crate::surfels::cloud::{self, SURFEL_GROUPS};
 use crate::surfels::light;
-use crate::surfels::{self, Cloud, Lit, Tree, frame};
+use crate::surfels::{Cloud, Lit};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 
 /// Which uniform buffer has the camera.
 pub const VIEW: usize = 0;
@@ -113,19 +112,9 @@ pub struct Pixel {
     pub surface: bool,
 }
 
-/// The passes that are the same for every scene; the others are compiled for its lights and medium.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    surfels: surfels::Passes,
-    clear: Pass,
-    inject: Pass,
-    links: Pass,
-}
-
 /// The contents of the uniform buffers: the camera, and how far light is propagated, metres.
 pub fn uniforms(view: &View, reach: f32) -> Vec<Vec<u8>> {
-    let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
-    vec![bytes_of(&camera).to_vec(), bytes_of(&uniforms::Propagation { reach }).to_vec()]
+    vec![bytes_of(&view.perspective()).to_vec(), bytes_of(&uniforms::Propagation { reach }).to_vec()]
 }
 
 /// How surfels are laid out for cells of such an edge: all of one size, wherever the camera is.
@@ -134,186 +123,161 @@ pub fn surfel_settings(cell: f32, bounds: Bounds) -> uniforms::Surfels {
     uniforms::Surfels { slope: 0.5 * SURFEL * cell / far, near: far, reach: f32::MAX.sqrt() }
 }
 
-impl Passes {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(Self {
-            surfels: surfels::Passes::new(device, Tree::All)?,
-            clear: pass(&wgsl::LPV_CLEAR)?,
-            inject: pass(&wgsl::LPV_INJECT)?,
-            links: pass(&wgsl::LPV_LINKS)?,
-        })
+/// The passes that fill volumes, one around a scene and finer ones in it, and hand their light on.
+///
+/// # Errors
+/// If there is no scene, or the device has no room.
+pub fn volume_steps(
+    to: &Resources<'_>,
+    parameters: Parameters,
+    filled: Filled,
+) -> Result<(Vec<VolumeOnGpu>, Vec<MethodStep>), GpuError> {
+    let (device, world) = (to.device, to.scene()?);
+    let frame = Frame { world, view: &to.uniforms[VIEW], reach: &to.uniforms[REACH] };
+    let grids = parameters.grids(world.bounds, world.bounds.centre());
+    let finest = grids[grids.len() - 1].cell;
+    let surfels = Surfels::new(device, frame, finest, filled)?;
+    let mut steps = surfel_steps(device, frame, &surfels)?;
+    let mut levels: Vec<Level> = Vec::new();
+    for (number, grid) in grids.iter().enumerate() {
+        let outside = levels.last();
+        let record = match outside {
+            None => gpu::uniform(device, "lpv.grid", &grid.record())?,
+            Some(outside) => {
+                let (record, step) = room::nest_step(device, &outside.light.record, frame.view)?;
+                steps.push(step);
+                record
+            }
+        };
+        let nesting = Nesting { is_nested: number > 0, has_finer: number + 1 < grids.len() };
+        let room = Room::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
+        let level = level_steps(device, frame, &surfels, room, outside, (parameters, filled))?;
+        steps.extend(level.1);
+        levels.push(level.0);
     }
+    let finer = levels.iter().skip(1).map(|level| Some(level.light.record.clone())).chain([None]);
+    let finer: Vec<_> = finer.collect();
+    let volume = |(level, finer): (Level, _)| VolumeOnGpu { finer, ..level.light };
+    Ok((levels.into_iter().zip(finer).map(volume).collect(), steps))
+}
 
-    /// The passes that fill volumes, one around a scene and finer ones in it, and hand their light on.
-    ///
-    /// # Errors
-    /// If there is no scene, or the device has no room.
-    pub fn volume_steps(
-        &self,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        parameters: Parameters,
-        uniforms: &[wgpu::Buffer],
-        filled: Filled,
-    ) -> Result<(Vec<VolumeOnGpu>, Vec<MethodStep>), GpuError> {
-        let world = frame::scene(inputs.world)?;
-        let frame = Frame { world, view: &uniforms[VIEW], reach: &uniforms[REACH] };
-        let grids = parameters.grids(world.bounds, world.bounds.centre());
-        let finest = grids[grids.len() - 1].cell;
-        let surfels = Surfels::new(device, frame, finest, filled)?;
-        let mut steps = self.surfel_steps(device, frame, &surfels)?;
-        let mut levels: Vec<Level> = Vec::new();
-        for (number, grid) in grids.iter().enumerate() {
-            let outside = levels.last();
-            let record = match outside {
-                None => gpu::uniform(device, "lpv.grid", &grid.record())?,
-                Some(outside) => {
-                    let (record, step) = room::nest_step(device, &outside.light.record, frame.view)?;
-                    steps.push(step);
-                    record
-                }
-            };
-            let nesting = Nesting { is_nested: number > 0, has_finer: number + 1 < grids.len() };
-            let room = Room::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
-            let level = self.level_steps(device, frame, &surfels, room, outside, (parameters, filled))?;
-            steps.extend(level.1);
-            levels.push(level.0);
-        }
-        let finer = levels.iter().skip(1).map(|level| Some(level.light.record.clone())).chain([None]);
-        let finer: Vec<_> = finer.collect();
-        let volume = |(level, finer): (Level, _)| VolumeOnGpu { finer, ..level.light };
-        Ok((levels.into_iter().zip(finer).map(volume).collect(), steps))
+/// The passes that light surfaces by volumes, in an image.
+///
+/// # Errors
+/// As [`volume_steps`].
+pub fn lit_steps(
+    to: &Resources<'_>,
+    parameters: Parameters,
+    filled: Filled,
+) -> Result<Vec<MethodStep>, GpuError> {
+    let (volumes, mut steps) = volume_steps(to, parameters, filled)?;
+    for volume in &volumes {
+        steps.push(volume.lit_step(to, &to.uniforms[VIEW])?);
     }
+    steps.extend(light::ending(to.device, to.scene()?, Some(filled.lit()), to.output)?);
+    Ok(steps)
+}
 
-    /// The passes that light surfaces by volumes, in an image.
-    ///
-    /// # Errors
-    /// As [`volume_steps`](Self::volume_steps).
-    pub fn lit_steps(
-        &self,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        parameters: Parameters,
-        uniforms: &[wgpu::Buffer],
-        (filled, image): (Filled, &wgpu::Buffer),
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let (volumes, mut steps) = self.volume_steps(device, inputs, parameters, uniforms, filled)?;
-        for volume in &volumes {
-            steps.push(volume.lit_step(device, inputs.gbuffer, &uniforms[VIEW], image)?);
-        }
-        steps.extend(light::ending(device, frame::scene(inputs.world)?, Some(filled.lit()), image)?);
-        Ok(steps)
+/// The passes of one volume.
+fn level_steps(
+    device: &Device,
+    frame: Frame<'_>,
+    surfels: &Surfels,
+    room: Room,
+    outside: Option<&Level>,
+    (parameters, filled): (Parameters, Filled),
+) -> Result<(Level, Vec<MethodStep>), GpuError> {
+    let mut steps = injection(device, frame, surfels, &room)?;
+    if filled.has_medium() {
+        steps.push(room.media_step(device, frame.world)?);
     }
+    let iterations = parameters.iterations;
+    let mut emission = None;
+    if surfels.shining.is_any() {
+        let outside = outside.and_then(|outside| outside.emission.as_ref());
+        let (shown, emitted) = emission_steps(device, frame, surfels, &room, (outside, iterations))?;
+        steps.extend(emitted);
+        emission = Some(shown);
+    }
+    steps.push(room.fresh_step(device, frame.world)?);
+    if room.kinds.scattered {
+        steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
+    }
+    if let Some(outside) = outside {
+        steps.push(room.border_step(device, frame.world, &outside.light)?);
+    }
+    steps.extend(room.propagation_steps(device, frame.world, iterations, frame.reach)?);
+    Ok((Level { light: room.volume(), emission }, steps))
+}
 
-    /// The passes of one volume.
-    fn level_steps(
-        &self,
-        device: &wgpu::Device,
-        frame: Frame<'_>,
-        surfels: &Surfels,
-        room: Room,
-        outside: Option<&Level>,
-        (parameters, filled): (Parameters, Filled),
-    ) -> Result<(Level, Vec<MethodStep>), GpuError> {
-        let mut steps = self.injection(device, frame, surfels, &room)?;
-        if filled.has_medium() {
-            steps.push(room.media_step(device, frame.world)?);
-        }
-        let iterations = parameters.iterations;
-        let mut emission = None;
-        if surfels.shining.is_any() {
-            let outside = outside.and_then(|outside| outside.emission.as_ref());
-            let (shown, emitted) = self.emission(device, frame, surfels, &room, (outside, iterations))?;
-            steps.extend(emitted);
-            emission = Some(shown);
-        }
-        steps.push(room.fresh_step(device, frame.world)?);
-        if room.kinds.scattered {
-            steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
-        }
-        if let Some(outside) = outside {
-            steps.push(room.border_step(device, frame.world, &outside.light)?);
-        }
-        steps.extend(room.propagation_steps(device, frame.world, iterations, frame.reach)?);
-        Ok((Level { light: room.volume(), emission }, steps))
-    }
+/// Surfels, and what they reflect of the lamps' light.
+fn surfel_steps(
+    device: &Device,
+    Frame { world, view, .. }: Frame<'_>,
+    Surfels { cloud, sent, settings, lit, shining }: &Surfels,
+) -> Result<Vec<MethodStep>, GpuError> {
+    let of_surfels = cloud::Uniforms { settings, view };
+    let mut steps = cloud.surfel_steps(device, world, of_surfels)?;
+    steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
+    steps.extend(shining.keeping_steps(device, world, (cloud, view))?);
+    Ok(steps)
+}
 
-    /// Surfels, and what they reflect of the lamps' light.
-    fn surfel_steps(
-        &self,
-        device: &wgpu::Device,
-        Frame { world, view, .. }: Frame<'_>,
-        Surfels { cloud, sent, settings, lit, shining }: &Surfels,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let of_surfels = cloud::Uniforms { settings, view };
-        let mut steps = self.surfels.surfel_steps(device, world, cloud, of_surfels)?;
-        steps.extend(light::steps(device, world, *lit, cloud, [view, sent])?);
-        steps.extend(shining.keeping_steps(device, world, (cloud, view))?);
-        Ok(steps)
-    }
+/// Surfels as light and as blockers.
+fn injection(
+    device: &Device,
+    Frame { view, .. }: Frame<'_>,
+    surfels: &Surfels,
+    room: &Room,
+) -> Result<Vec<MethodStep>, GpuError> {
+    let Surfels { cloud, sent, .. } = surfels;
+    let Room { record, sums, cubes, links, groups, .. } = room;
+    let read = [record, view, &cloud.totals, &cloud.surfels, sent];
+    let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
+    let written = [(5, sums), (6, cubes)];
+    let [inject, link] = [Shader::at("methods/lpv/inject"), Shader::at("methods/lpv/links")];
+    Ok(vec![
+        clear_step(device, room)?,
+        MethodStep::bind_at(device, &device.pass(inject, &[])?, surfels.groups(), &read, &written)?,
+        MethodStep::bind(device, &device.pass(link, &[])?, groups.clone(), &[record, cubes], &[links])?,
+    ])
+}
 
-    /// Surfels as light and as blockers.
-    fn injection(
-        &self,
-        device: &wgpu::Device,
-        Frame { view, .. }: Frame<'_>,
-        surfels: &Surfels,
-        room: &Room,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let Surfels { cloud, sent, .. } = surfels;
-        let Room { record, sums, cubes, links, groups, .. } = room;
-        let read = [record, view, &cloud.totals, &cloud.surfels, sent];
-        let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
-        let written = [(5, sums), (6, cubes)];
-        Ok(vec![
-            MethodStep::bind(device, &self.clear, room.words(), &[], &[sums, cubes])?,
-            MethodStep::bind_at(device, &self.inject, surfels.groups(), &read, &written)?,
-            MethodStep::bind(device, &self.links, groups.clone(), &[record, cubes], &[links])?,
-        ])
+/// Light that a scene sends by itself, on its way until surfaces reflect it or the medium scatters it: what they reflect
+/// is added to the volume's.
+fn emission_steps(
+    device: &Device,
+    Frame { world, view, .. }: Frame<'_>,
+    surfels: &Surfels,
+    room: &Room,
+    (outside, iterations): (Option<&VolumeOnGpu>, usize),
+) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
+    let Surfels { cloud, shining, .. } = surfels;
+    let emitted = room.of_emission(device)?;
+    let nested = ("NESTED", u32::from(outside.is_some()));
+    let constants = [room.scheme.lookup_constant(), nested];
+    let reflects = device.pass(Shader::at("methods/lpv/reflect"), &constants)?;
+    let reads = [&room.record, view, &cloud.totals, &cloud.surfels, &cloud.patches];
+    let others = [(6, &emitted.shown), (7, &cloud.starts)];
+    let reflecting: Vec<_> = (0..).zip(reads).chain(others).collect();
+    // However far it came: a radius is of what surfaces reflect.
+    let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
+    let mut steps = vec![clear_step(device, &emitted)?];
+    steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
+    steps.push(emitted.fresh_step(device, world)?);
+    if let Some(outside) = outside {
+        steps.push(emitted.border_step(device, world, outside)?);
     }
+    steps.extend(emitted.propagation_steps(device, world, iterations, &reach)?);
+    let written = [(5, &room.sums)];
+    steps.push(MethodStep::bind_at(device, &reflects, surfels.groups(), &reflecting, &written)?);
+    Ok((emitted.volume(), steps))
+}
 
-    /// Light that a scene sends by itself, on its way until surfaces reflect it or the medium scatters it: what they reflect
-    /// is added to the volume's.
-    fn emission(
-        &self,
-        device: &wgpu::Device,
-        Frame { world, view, .. }: Frame<'_>,
-        surfels: &Surfels,
-        room: &Room,
-        (outside, iterations): (Option<&VolumeOnGpu>, usize),
-    ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
-        let Surfels { cloud, shining, .. } = surfels;
-        let emitted = room.of_emission(device)?;
-        let nested = ("NESTED", u32::from(outside.is_some()));
-        let reflects = wgsl::LPV_REFLECT.specialised(&[room.scheme.lookup_constant(), nested]);
-        let reflects = Pass::new(device, wgsl::LPV_REFLECT.name, &reflects)?;
-        let reads = [&room.record, view, &cloud.totals, &cloud.surfels, &cloud.patches];
-        let others = [(6, &emitted.shown), (7, &cloud.starts)];
-        let reflecting: Vec<_> = (0..).zip(reads).chain(others).collect();
-        // However far it came: a radius is of what surfaces reflect.
-        let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
-        let mut steps = vec![MethodStep::bind(
-            device,
-            &self.clear,
-            emitted.words(),
-            &[],
-            &[&emitted.sums, &emitted.cubes],
-        )?];
-        steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
-        steps.push(emitted.fresh_step(device, world)?);
-        if let Some(outside) = outside {
-            steps.push(emitted.border_step(device, world, outside)?);
-        }
-        steps.extend(emitted.propagation_steps(device, world, iterations, &reach)?);
-        let written = [(5, &room.sums)];
-        steps.push(MethodStep::bind_at(device, &reflects, surfels.groups(), &reflecting, &written)?);
-        Ok((emitted.volume(), steps))
-    }
+/// Sums of the frame before are forgotten.
+fn clear_step(device: &Device, room: &Room) -> Result<MethodStep, GpuError> {
+    let clear = device.pass(Shader::at("methods/lpv/clear"), &[])?;
+    MethodStep::bind(device, &clear, room.words(), &[], &[&room.sums, &room.cubes])
 }
 
 /// What passes read of a frame: the scene, the camera and how far light is propagated.
@@ -340,7 +304,7 @@ struct Surfels {
 }
 
 impl Surfels {
-    fn new(device: &wgpu::Device, frame: Frame<'_>, cell: f32, filled: Filled) -> Result<Self, GpuError> {
+    fn new(device: &Device, frame: Frame<'_>, cell: f32, filled: Filled) -> Result<Self, GpuError> {
         let (world, lit) = (frame.world, filled.lit());
         let settings = gpu::uniform(device, "lpv.surfels", &surfel_settings(cell, world.bounds))?;
         let cloud = Cloud::new(device, world, Some(lit))?;

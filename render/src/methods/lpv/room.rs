@@ -10,10 +10,10 @@ use crate::methods::single_scattering;
 use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{MethodStep, Step, Workgroups};
+use crate::screen::{Device, MethodStep, Step, Workgroups};
 use crate::surfels;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 
 /// Words of a cell's light and of a cube of blockers.
 const LIGHT_WORDS: usize = 24;
@@ -66,7 +66,7 @@ impl Room {
     /// # Errors
     /// If the device has no room.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Device,
         (grid, record): (&LightGrid, wgpu::Buffer),
         (kinds, nesting): (Kinds, Nesting),
         scheme: Scheme,
@@ -100,7 +100,7 @@ impl Room {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn of_emission(&self, device: &wgpu::Device) -> Result<Self, GpuError> {
+    pub fn of_emission(&self, device: &Device) -> Result<Self, GpuError> {
         Ok(Self {
             sums: gpu::empty::<u32>(device, "lpv.emitted_sums", LIGHT_WORDS * self.cells)?,
             cubes: gpu::empty::<u32>(device, "lpv.no_cubes", CUBE_WORDS)?,
@@ -147,10 +147,10 @@ impl Room {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn fresh_step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+    pub fn fresh_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
         let own = [self.first(), self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let pass = Pass::new(device, wgsl::LPV_FRESH.name, &wgsl::LPV_FRESH.specialised(&constants))?;
+        let pass = device.pass(Shader::at("methods/lpv/fresh"), &constants)?;
         let reads = [(0, &self.record), (1, &self.sums), (5, &world.medium.record), (6, &self.media)];
         let writes = [(3, &self.shown), (4, &self.source), (2, &self.states[0])];
         MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
@@ -160,12 +160,13 @@ impl Room {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn media_step(&self, device: &wgpu::Device, world: &World) -> Result<MethodStep, GpuError> {
+    pub fn media_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
         let MediumOnGpu { record: medium, densities, .. } = &world.medium;
         let [_, kind] = single_scattering::constants(world);
-        let shader =
-            wgsl::LPV_MEDIA.specialised(&[&[kind, self.similar()][..], &self.scheme.constants()].concat());
-        let pass = Pass::new(device, wgsl::LPV_MEDIA.name, &shader)?;
+        let pass = device.pass(
+            Shader::at("methods/lpv/media"),
+            &[&[kind, self.similar()][..], &self.scheme.constants()].concat(),
+        )?;
         let table = gpu::storage(device, "lpv.table", flight::table())?;
         let buffers = [&self.record, &table, &self.media, medium].map(|buffer| buffer.as_entire_binding());
         let resources: Vec<_> =
@@ -180,14 +181,18 @@ impl Room {
     /// If the device refuses it.
     pub fn begin_step(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         emission: Option<&wgpu::Buffer>,
     ) -> Result<MethodStep, GpuError> {
         let constants =
             [&single_scattering::constants(world)[..], &self.constants(), &self.scheme.constants()].concat();
-        let shader = if emission.is_some() { &wgsl::LPV_BEGIN_EMITTED } else { &wgsl::LPV_BEGIN };
-        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+        let shader = if emission.is_some() {
+            Shader::at("methods/lpv/begin_emitted")
+        } else {
+            Shader::at("methods/lpv/begin")
+        };
+        let pass = device.pass(shader, &constants)?;
         let sampler = shadow_sampler(device);
         let own = [(0, &self.record), (1, &self.links), (7, &self.states[0]), (8, &self.media)];
         let own = own.into_iter().chain(emission.map(|emitted| (9, emitted)));
@@ -204,13 +209,13 @@ impl Room {
     /// If the device refuses it.
     pub fn border_step(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         outside: &VolumeOnGpu,
     ) -> Result<MethodStep, GpuError> {
         let own = [self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let pass = Pass::new(device, wgsl::LPV_BORDER.name, &wgsl::LPV_BORDER.specialised(&constants))?;
+        let pass = device.pass(Shader::at("methods/lpv/border"), &constants)?;
         let reads = [&self.record, &outside.record, &world.medium.record, &self.media, &outside.shown];
         MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
     }
@@ -221,7 +226,7 @@ impl Room {
     /// If the device refuses them.
     pub fn propagation_steps(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         iterations: usize,
         reach: &wgpu::Buffer,
@@ -236,7 +241,7 @@ impl Room {
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let compiled = |shows: bool| {
             let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();
-            Pass::new(device, wgsl::LPV_PROPAGATE.name, &wgsl::LPV_PROPAGATE.specialised(&constants))
+            device.pass(Shader::at("methods/lpv/propagate"), &constants)
         };
         let showing = compiled(true)?;
         // Of steady light the last iteration alone is shown.
@@ -268,7 +273,7 @@ const fn kept_planes(lobes: Lobes) -> usize {
 }
 
 /// Room for what each iteration adds, which only steady light needs.
-fn source(device: &wgpu::Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {
+fn source(device: &Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {
     gpu::empty::<[f32; 4]>(device, "lpv.source", if kinds.is_steady { 3 * cells } else { 1 })
 }
 
@@ -287,13 +292,13 @@ const fn keeps_first(kinds: Kinds, nesting: Nesting) -> bool {
 /// # Errors
 /// If the device refuses it.
 pub fn nest_step(
-    device: &wgpu::Device,
+    device: &Device,
     coarser: &wgpu::Buffer,
     view: &wgpu::Buffer,
 ) -> Result<(wgpu::Buffer, MethodStep), GpuError> {
     let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
     let nested = gpu::filled(device, "lpv.nested", &[0; size_of::<uniforms::LightGrid>()], usage)?;
-    let pass = Pass::new(device, wgsl::LPV_NEST.name, &wgsl::LPV_NEST.source())?;
+    let pass = device.pass(Shader::at("methods/lpv/nest"), &[])?;
     let step = MethodStep::bind(device, &pass, [1, 1, 1], &[coarser, view], &[&nested])?;
     Ok((nested, step))
 }

@@ -4,11 +4,11 @@ use super::passes::{Filled, Shines};
 use super::room::Room;
 use crate::methods::phosphor::cells::Cells;
 use crate::raster::World;
-use crate::screen::{MethodStep, Step, Workgroups};
+use crate::screen::{Device, MethodStep, Step, Workgroups};
 use crate::surfels::cloud::SURFEL_GROUPS;
 use crate::surfels::{Cloud, Lit, light};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 
 /// What of it there is.
 pub struct Shining {
@@ -26,7 +26,7 @@ impl Shining {
     /// # Errors
     /// If the device has no room.
     pub fn new(
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         (filled, edge): (Filled, f32),
         sends: u64,
@@ -53,7 +53,7 @@ impl Shining {
     /// If the device refuses them.
     pub fn keeping_steps(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         (cloud, view): (&Cloud, &wgpu::Buffer),
     ) -> Result<Vec<MethodStep>, GpuError> {
@@ -75,19 +75,20 @@ impl Shining {
     /// If the device refuses them.
     pub fn sending_steps(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         (cloud, view): (&Cloud, &wgpu::Buffer),
         room: &Room,
     ) -> Result<Vec<MethodStep>, GpuError> {
-        let emits = wgsl::LPV_SHINE.source();
-        let gives_back = wgsl::LPV_SHINE_KEPT.specialised(&[light::kept_unit(world)]);
+        let gives_back = [light::kept_unit(world)];
         let starts = Some((7, &cloud.starts));
-        let emissions = self.emissions.as_ref().map(|it| (wgsl::LPV_SHINE.name, emits, it, starts));
-        let kept = self.kept.as_ref().map(|it| (wgsl::LPV_SHINE_KEPT.name, gives_back, it, None));
+        let emissions = self.emissions.as_ref();
+        let emissions = emissions.map(|it| (Shader::at("methods/lpv/shine"), &[][..], it, starts));
+        let kept = self.kept.as_ref();
+        let kept = kept.map(|it| (Shader::at("methods/lpv/shine_kept"), &gives_back[..], it, None));
         let mut steps = Vec::new();
-        for (name, source, radiances, starts) in [emissions, kept].into_iter().flatten() {
-            let pass = Pass::new(device, name, &source)?;
+        for (shader, constants, radiances, starts) in [emissions, kept].into_iter().flatten() {
+            let pass = device.pass(shader, constants)?;
             let read = [&room.record, view, &cloud.totals, &cloud.surfels, radiances];
             let read: Vec<_> = (0..).zip(read).chain(starts).collect();
             let groups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
@@ -101,14 +102,8 @@ impl Shining {
 }
 
 /// The pass that adds what a medium gives back.
-fn medium_step(
-    device: &wgpu::Device,
-    world: &World,
-    cells: &Cells,
-    room: &Room,
-) -> Result<MethodStep, GpuError> {
-    let source = wgsl::LPV_SHINE_MEDIUM.specialised(&Cells::constants(world));
-    let pass = Pass::new(device, wgsl::LPV_SHINE_MEDIUM.name, &source)?;
+fn medium_step(device: &Device, world: &World, cells: &Cells, room: &Room) -> Result<MethodStep, GpuError> {
+    let pass = device.pass(Shader::at("methods/lpv/shine_medium"), &Cells::constants(world))?;
     let (paints, medium) = (&world.glow.paints, &world.medium.record);
     let buffers = [&room.record, paints, &cells.record, medium, &cells.states, &room.sums];
     let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();

@@ -5,11 +5,13 @@ use super::room::scattered;
 use crate::lpv::Scheme;
 use crate::lpv::propagation::Kinds;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{GpuGBuffer, Inputs, MethodStep, Step};
-use crate::surfels::frame;
+use crate::screen::{Device, MethodStep, Resources, Step};
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, TILE};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE};
+
+/// What surfaces are lit by.
+const SURFACE: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Valid];
 
 /// The buffers of a volume.
 #[derive(Clone, Debug)]
@@ -45,31 +47,25 @@ impl VolumeOnGpu {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn lit_step(
-        &self,
-        device: &wgpu::Device,
-        gbuffer: &GpuGBuffer,
-        view: &wgpu::Buffer,
-        image: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
+    pub fn lit_step(&self, to: &Resources<'_>, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
+        let device = to.device;
         let constants = [&[self.scheme.lookup_constant()][..], &self.nesting()].concat();
-        let pass = Pass::new(device, wgsl::LPV_LIT.name, &wgsl::LPV_LIT.specialised(&constants))?;
-        let [position, normal, valid] = surface(gbuffer);
+        let pass = device.pass(Shader::at("methods/lpv/lit"), &constants)?;
+        let [position, normal, valid] = to.seen(SURFACE);
         let reads = [&self.record, position, normal, valid, view, &self.shown];
         let reads: Vec<_> = (0..).zip(reads).chain([(7, self.finer())]).collect();
-        let groups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        MethodStep::bind_at(device, &pass, groups, &reads, &[(6, image)])
+        MethodStep::bind_at(device, &pass, to.whole(), &reads, &[(6, to.output)])
     }
 }
 
 /// Pixels that volumes light through a medium.
 #[derive(Clone, Copy)]
 pub struct Marched<'a> {
-    /// The g-buffer and the scene.
-    pub inputs: &'a Inputs<'a>,
+    /// The g-buffer, the scene and the image.
+    pub to: &'a Resources<'a>,
     /// The camera.
     pub view: &'a wgpu::Buffer,
-    /// [`uniforms::Marching`](wgsl::uniforms::Marching).
+    /// [`uniforms::Marching`](deepshade_shaders::wgsl::uniforms::Marching).
     pub march: &'a wgpu::Buffer,
     /// What of pixels is lit.
     pub pixel: Pixel,
@@ -82,24 +78,19 @@ impl Marched<'_> {
     ///
     /// # Errors
     /// If the device refuses them.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        volumes: &[VolumeOnGpu],
-        image: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
+    pub fn steps(&self, volumes: &[VolumeOnGpu]) -> Result<Vec<MethodStep>, GpuError> {
         let size = self.size();
-        let scattered = gpu::empty::<f32>(device, "lpv.scattered", 3 * size[0] * size[1])?;
+        let scattered = gpu::empty::<f32>(self.to.device, "lpv.scattered", 3 * size[0] * size[1])?;
         let mut steps = Vec::new();
         if self.pixel.medium {
             for volume in volumes {
-                steps.push(self.march_step(device, volume, &scattered)?);
+                steps.push(self.march_step(volume, &scattered)?);
             }
         }
         for volume in volumes {
             // A finer one lights surfaces alone: what the medium scatters is there.
             if self.pixel.surface || !volume.is_nested {
-                steps.push(self.apply_step(device, volume, &scattered, image)?);
+                steps.push(self.apply_step(volume, &scattered)?);
             }
         }
         Ok(steps)
@@ -107,47 +98,47 @@ impl Marched<'_> {
 
     /// Rows and columns of pixels that are marched.
     fn size(&self) -> [usize; 2] {
-        let gbuffer = self.inputs.gbuffer;
-        [gbuffer.height(), gbuffer.width()].map(|edge| edge.div_ceil(self.scale))
+        self.to.size().map(|edge| edge.div_ceil(self.scale))
     }
 
-    fn march_step(
-        &self,
-        device: &wgpu::Device,
-        volume: &VolumeOnGpu,
-        scattered: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
-        let medium = &frame::scene(self.inputs.world)?.medium;
+    fn march_step(&self, volume: &VolumeOnGpu, scattered: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
+        let medium = &self.to.scene()?.medium;
         let constants = [&self.constants(medium, volume)[..], &volume.nesting()].concat();
-        let [position, _, valid] = surface(self.inputs.gbuffer);
+        let [position, _, valid] = self.to.seen(SURFACE);
         let grid = [&volume.record, self.march, &medium.record, valid, position, self.view];
         let light = [(6, &volume.shown), (7, scattered), (9, volume.finer())];
         let buffers = (0..).zip(grid).chain(light);
-        step(device, &wgsl::LPV_MARCH, &constants, (buffers, (8, medium)), self.size(), scattered)
+        step(
+            self.to.device,
+            Shader::at("methods/lpv/march"),
+            &constants,
+            (buffers, (8, medium)),
+            self.size(),
+            scattered,
+        )
     }
 
-    fn apply_step(
-        &self,
-        device: &wgpu::Device,
-        volume: &VolumeOnGpu,
-        light: &wgpu::Buffer,
-        image: &wgpu::Buffer,
-    ) -> Result<MethodStep, GpuError> {
-        let gbuffer = self.inputs.gbuffer;
-        let medium = &frame::scene(self.inputs.world)?.medium;
+    fn apply_step(&self, volume: &VolumeOnGpu, light: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
+        let (medium, image) = (&self.to.scene()?.medium, self.to.output);
         let shows = [
             ("SCATTERS", u32::from(self.pixel.medium && !volume.is_nested)),
             ("LIT", u32::from(self.pixel.surface)),
             scattered(volume.kinds),
         ];
         let constants = [&self.constants(medium, volume)[..], &volume.nesting(), &shows].concat();
-        let [position, normal, valid] = surface(gbuffer);
+        let [position, normal, valid] = self.to.seen(SURFACE);
         let buffers = [&volume.record, position, normal, valid, self.view, &volume.shown, image];
-        let diffuse = gbuffer.buffer(Attribute::Diffuse);
+        let diffuse = self.to.gbuffer.buffer(Attribute::Diffuse);
         let others = [(7, self.march), (8, &medium.record), (10, diffuse), (11, light), (12, volume.finer())];
-        let size = [gbuffer.height(), gbuffer.width()];
         let buffers = (0..).zip(buffers).chain(others);
-        step(device, &wgsl::LPV_APPLY, &constants, (buffers, (9, medium)), size, image)
+        step(
+            self.to.device,
+            Shader::at("methods/lpv/apply"),
+            &constants,
+            (buffers, (9, medium)),
+            self.to.size(),
+            image,
+        )
     }
 
     fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 3] {
@@ -157,21 +148,17 @@ impl Marched<'_> {
 
 /// A pass over an image of rows and columns, bound to buffers and a medium's densities by their numbers.
 fn step<'a>(
-    device: &wgpu::Device,
-    shader: &Shader,
-    constants: &[(&str, u32)],
+    device: &Device,
+    shader: Shader,
+    constants: &[(&'static str, u32)],
     (buffers, (densities, medium)): (impl Iterator<Item = (u32, &'a wgpu::Buffer)>, (u32, &'a MediumOnGpu)),
     [rows, columns]: [usize; 2],
     written: &wgpu::Buffer,
 ) -> Result<MethodStep, GpuError> {
-    let pass = Pass::new(device, shader.name, &shader.specialised(constants))?;
+    let pass = device.pass(shader, constants)?;
     let buffers = buffers.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
     let densities = (densities, wgpu::BindingResource::TextureView(&medium.densities));
     let pass = pass.bind_at(device, buffers.chain([densities]))?;
     let workgroups = gpu::groups(rows, columns, TILE).into();
     Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![written.clone()] })
-}
-
-fn surface(gbuffer: &GpuGBuffer) -> [&wgpu::Buffer; 3] {
-    [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|attribute| gbuffer.buffer(attribute))
 }

@@ -6,7 +6,7 @@ mod outside;
 mod room;
 mod scales;
 
-use super::in_medium::{Indirect, IndirectScattering, Multiple, MultipleScattering};
+use super::in_medium::InMedium;
 use super::passes::{Filled, Pixel, Shown};
 use super::*;
 use crate::bvh::TracedScene;
@@ -22,10 +22,9 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::scene::{Camera, Density, Medium, Scene};
-use crate::screen::{self, GpuGBuffer, PlainInputs, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod};
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl::{self, Shader};
 use glam::{Vec3, Vec4};
 use room::{fog, from_a_corner, shining};
 
@@ -46,22 +45,22 @@ fn gpu() -> Gpu {
 
 /// The same frame with all that the method reads.
 fn with_colours((scene, view, _): Seen) -> Seen {
-    let attributes = <Multiple as Technique>::ATTRIBUTES;
+    let attributes = InMedium::multiple(FEW).about().attributes;
     let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, attributes);
     (scene, view, gbuffer)
 }
 
 #[test]
 fn surfaces_are_lit_as_the_plain_version_has_it() {
-    prove_twin(&LightVolume::new(&gpu(), FEW).expect("valid shaders"), &with_colours(corner()), TOLERANCE);
+    prove_twin(&ScreenMethod::new(&gpu(), FEW), &with_colours(corner()), TOLERANCE);
 }
 
 #[test]
 fn a_medium_is_lit_as_the_plain_version_has_it() {
     let gpu = gpu();
-    let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
+    let multiple = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
     let pixel = Pixel { medium: true, surface: false };
-    let indirect = IndirectScattering::new(&gpu, Indirect(FEW, pixel)).expect("valid shaders");
+    let indirect = ScreenMethod::new(&gpu, InMedium::indirect_at(FEW, pixel));
     for frame in foggy().into_iter().map(with_colours) {
         prove_twin(&multiple, &frame, OF_MEDIUM);
         prove_twin(&indirect, &frame, OF_MEDIUM);
@@ -70,13 +69,11 @@ fn a_medium_is_lit_as_the_plain_version_has_it() {
 
 /// A plan of such light in a medium that has run twice, and its image, which is the same both times.
 fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters: Parameters) -> Plan {
-    let method: Box<dyn ScreenMethod> = match light {
-        Shown::Multiple => {
-            Box::new(MultipleScattering::new(gpu, Multiple(parameters)).expect("valid shaders"))
-        }
+    let method: ScreenMethod = match light {
+        Shown::Multiple => ScreenMethod::new(gpu, InMedium::multiple(parameters)),
         Shown::Reflected { by_surfaces } => {
             let pixel = Pixel { medium: true, surface: by_surfaces };
-            Box::new(IndirectScattering::new(gpu, Indirect(parameters, pixel)).expect("valid shaders"))
+            ScreenMethod::new(gpu, InMedium::indirect_at(parameters, pixel))
         }
     };
     let there = GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes");
@@ -92,8 +89,8 @@ fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters:
 }
 
 /// What a pass of a plan has written last.
-fn written<T: bytemuck::Pod>(gpu: &Gpu, plan: &Plan, shader: &Shader) -> Vec<T> {
-    let step = plan.steps().iter().rfind(|step| step.step.pass.is_of(shader.name)).expect("a pass");
+fn written<T: bytemuck::Pod>(gpu: &Gpu, plan: &Plan, label: &str) -> Vec<T> {
+    let step = plan.steps().iter().rfind(|step| step.step.pass.is_of(label)).expect("a pass");
     gpu::read(&gpu.device, &gpu.queue, step.writes.last().expect("a buffer")).expect("its contents")
 }
 
@@ -117,7 +114,7 @@ fn kept_of(state: &[[f32; 4]], (kinds, kind): (Kinds, usize), lobes: Lobes, cell
 
 /// Light of all three colours that surfels have put into each cell, watts.
 fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
-    let inject = plan.steps().iter().find(|step| step.step.pass.is_of(wgsl::LPV_INJECT.name));
+    let inject = plan.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
     let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
     let sums: Vec<[[[u32; 2]; 4]; 3]> = gpu::read(&gpu.device, &gpu.queue, sums).expect("sums");
     // 64 bits of which 40 are behind the point, over the area of a cell's face.
@@ -135,7 +132,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: Parameters) -
     let cells = grid.cells();
     let kinds = Filled::Medium(light).kinds();
     let start = run_twice(gpu, frame, light, Parameters { iterations: 0, ..parameters });
-    let links: Vec<[u32; 4]> = written(gpu, &start, &wgsl::LPV_LINKS);
+    let links: Vec<[u32; 4]> = written(gpu, &start, "lpv.links");
     let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
     let volume = Volume {
         grid,
@@ -145,7 +142,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: Parameters) -
         scheme,
     };
     let mut field = if kinds.scattered {
-        let state: Vec<[f32; 4]> = written(gpu, &start, &wgsl::LPV_BEGIN);
+        let state: Vec<[f32; 4]> = written(gpu, &start, "lpv.begin");
         let lobes = (0..kinds.count()).map(|kind| kept_of(&state, (kinds, kind), scheme.lobes, cells));
         Field::of_lobes(scheme, kinds, lobes.collect())
     } else {
@@ -153,7 +150,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: Parameters) -
     };
     assert!(field.energy() > 1.0 && volume.passing.iter().flatten().any(|passes| *passes < 0.5));
     field.iterate(&volume, parameters.iterations);
-    let shown: Vec<[f32; 4]> = written(gpu, &run_twice(gpu, frame, light, parameters), &wgsl::LPV_PROPAGATE);
+    let shown: Vec<[f32; 4]> = written(gpu, &run_twice(gpu, frame, light, parameters), "lpv.propagate");
     let (mut largest, mut worst) = (0.0f32, 0.0f32);
     // Where nothing was scattered surfaces show no other light than the medium.
     let planes = shown.chunks(3 * cells).map(|plane| light_of(plane, cells));
@@ -195,18 +192,18 @@ fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
 #[test]
 fn light_in_three_bands_is_as_the_plain_version_has_it() {
     let (gpu, parameters) = (gpu(), Parameters { cascades: 2, scheme: THREE_BANDS, ..FEW });
-    let lit = LightVolume::new(&gpu, parameters).expect("valid shaders");
+    let lit = ScreenMethod::new(&gpu, parameters);
     prove_twin(&lit, &with_colours(corner()), TOLERANCE);
-    let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
+    let multiple = ScreenMethod::new(&gpu, InMedium::multiple(parameters));
     prove_twin(&multiple, &with_colours(foggy().remove(1)), OF_MEDIUM);
-    let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
+    let indirect = ScreenMethod::new(&gpu, InMedium::indirect(parameters));
     prove_twin(&indirect, &from_a_corner(shining(true, Some(fog()))), OF_MEDIUM);
 }
 
 #[test]
 fn surfaces_lit_by_the_cell_that_they_are_in_are_as_the_plain_version_has_it() {
     let scheme = Scheme { lookup: Lookup::Within, ..Scheme::OURS };
-    let method = LightVolume::new(&gpu(), Parameters { scheme, ..FEW }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu(), Parameters { scheme, ..FEW });
     // A point between two cells may be in the other one: 0.64 on an H100.
     prove_twin(&method, &with_colours(corner()), Tolerance { worst: 0.7, ..TOLERANCE });
 }
@@ -241,8 +238,8 @@ fn extremes_make_no_negative_light() {
     ] {
         let (scene, view, gbuffer) = changed(&frame, medium, camera);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
-        let multiple = MultipleScattering::new(&gpu, Multiple(parameters)).expect("valid shaders");
-        let indirect = IndirectScattering::new(&gpu, parameters.into()).expect("valid shaders");
+        let multiple = ScreenMethod::new(&gpu, InMedium::multiple(parameters));
+        let indirect = ScreenMethod::new(&gpu, InMedium::indirect(parameters));
         // What surfaces send into one cell may all leave it.
         let of_indirect = if parameters.cells == 1 { 0.0 } else { least };
         for (method, least) in [(&multiple as &dyn Method, least), (&indirect, of_indirect)] {

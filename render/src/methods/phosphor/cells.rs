@@ -8,11 +8,11 @@ use crate::phosphor::paint::{MOST_STATES, Paint};
 use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::scene::{Bounds, Density, Glow, Medium, Scene};
-use crate::screen::{GpuGBuffer, MethodStep, Step};
+use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::uniforms::GlowCells;
-use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::wgsl::{Shader, TILE};
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
@@ -95,7 +95,7 @@ impl Cells {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, world: &World, edge: f32) -> Result<Option<Self>, GpuError> {
+    pub fn new(device: &Device, world: &World, edge: f32) -> Result<Option<Self>, GpuError> {
         let Some(lattice) = Lattice::of(world.scene(), edge) else { return Ok(None) };
         let numbers = 2 * lattice.count() * world.glow.states();
         Ok(Some(Self {
@@ -110,12 +110,7 @@ impl Cells {
     ///
     /// # Errors
     /// If the device refuses.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        world: &World,
-        euler: u32,
-    ) -> Result<Vec<MethodStep>, GpuError> {
+    pub fn steps(&self, device: &Device, world: &World, euler: u32) -> Result<Vec<MethodStep>, GpuError> {
         let glow = &world.glow;
         let own =
             [("LIGHTS", world.gpu_lights.count as u32), paint(glow.glow()), ("MEDIUM", world.medium.kind)];
@@ -126,7 +121,7 @@ impl Cells {
         resources.push((8, self.states.as_entire_binding()));
         resources.push((11, world.medium.record.as_entire_binding()));
         resources.push((12, wgpu::BindingResource::TextureView(&world.medium.densities)));
-        let shader = (&wgsl::PHOSPHOR_CELLS, &constants[..]);
+        let shader = (Shader::at("methods/phosphor/cells"), &constants[..]);
         glow.moving_on(device, shader, euler, &resources, (self.lattice.count(), &self.states))
     }
 
@@ -143,14 +138,13 @@ impl Cells {
     /// If the device refuses.
     pub fn shine(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         gbuffer: &GpuGBuffer,
         [view, image]: [&wgpu::Buffer; 2],
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
-        let source = wgsl::PHOSPHOR_SHINE.specialised(&Self::constants(world));
-        let pass = Pass::new(device, wgsl::PHOSPHOR_SHINE.name, &source)?;
+        let pass = device.pass(Shader::at("methods/phosphor/shine"), &Self::constants(world))?;
         let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
         let buffers =
             [&glow.paints, &self.record, view, &world.medium.record, valid, position, &self.states, image];

@@ -16,15 +16,13 @@ use super::{ATTRIBUTES, Parameters as Texels, Quality};
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
 use crate::phosphor::paint::{Lit, PaintState};
-use crate::raster::view::perspective;
 use crate::scene::Glow;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::frame;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::random::random;
 use deepshade_shaders::wgsl::uniforms::GlowSamples;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use deepshade_shaders::{Effect, MissingAttribute};
 use glam::{Vec2, Vec3};
 
 /// What can be set.
@@ -34,9 +32,6 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 4096))]
     pub samples: u32,
 }
-
-/// The method, compiled for a device.
-pub type Glassner = Compiled<Parameters>;
 
 impl Parameters {
     /// More time is more moments: from as many as cost what the rate equation does to those that the thesis calls of the
@@ -61,32 +56,18 @@ impl Parameters {
 const EVER: [f32; 2] = [0.0, f32::MAX];
 
 impl Technique for Parameters {
-    const NAME: &'static str = "glassner";
-    const EFFECT: Effect = Effect::Phosphor;
-    const ATTRIBUTES: &'static [Attribute] = ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    /// They are compiled for a scene.
-    type Passes = ();
-
-    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
-        Ok(())
+    fn about(&self) -> About {
+        About::beyond_screen("glassner", Effect::Phosphor, ATTRIBUTES)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         vec![bytes_of(&camera).to_vec(), bytes_of(&self.settings(view)).to_vec()]
     }
 
-    fn steps(
-        &self,
-        (): &(),
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let (world, gbuffer) = (frame::scene(inputs.world)?, inputs.gbuffer);
-        let [view, settings] = uniforms else { unreachable!("it has two uniform buffers") };
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, world, gbuffer, output) = (to.device, to.scene()?, to.gbuffer, to.output);
+        let [view, settings] = to.uniforms else { unreachable!("it has two uniform buffers") };
         // It has no texels; tiles are how a pixel finds its triangle.
         let coarsest = Texels::exact(1);
         let finding = Finding::new(device, world, gbuffer, coarsest.texels)?;

@@ -29,9 +29,7 @@ mod tests;
 pub mod tile;
 
 use super::Quality;
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use crate::surfels::frame;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use cells::{Cells, edge};
 use deepshade_shaders::gpu::GpuError;
@@ -49,9 +47,6 @@ pub struct Parameters {
     #[schemars(range(min = 0, max = 4096))]
     pub euler: u32,
 }
-
-/// The method, compiled for a device.
-pub type RateEquation = Compiled<Parameters>;
 
 /// What both methods read of a g-buffer.
 const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::ObjectId, Attribute::Valid];
@@ -75,32 +70,18 @@ impl Parameters {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "rate-equation";
-    const EFFECT: Effect = Effect::Phosphor;
-    const ATTRIBUTES: &'static [Attribute] = ATTRIBUTES;
-    const LOOKS_BEYOND: bool = true;
-    /// They are compiled for a scene.
-    type Passes = ();
-
-    fn compile(_: &wgpu::Device) -> Result<(), GpuError> {
-        Ok(())
+    fn about(&self) -> About {
+        About::beyond_screen("rate-equation", Effect::Phosphor, ATTRIBUTES)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        vec![bytes_of(&perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE)).to_vec()]
+        vec![bytes_of(&view.perspective()).to_vec()]
     }
 
-    fn steps(
-        &self,
-        (): &(),
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let world = frame::scene(inputs.world)?;
-        let finding = Finding::new(device, world, inputs.gbuffer, self.texels)?;
-        let mut steps = finding.steps(device, world, inputs.gbuffer, &uniforms[0])?;
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, world, gbuffer) = (to.device, to.scene()?, to.gbuffer);
+        let finding = Finding::new(device, world, gbuffer, self.texels)?;
+        let mut steps = finding.steps(device, world, gbuffer, &to.uniforms[0])?;
         let states = finding.states(device, world)?;
         let cells = Cells::new(device, world, edge(world.scene(), self.texels))?;
         let kept = cells.as_ref().filter(|_| world.glow.glow().medium.is_some());
@@ -110,9 +91,9 @@ impl Technique for Parameters {
                 steps.extend(cells.steps(device, pose, self.euler)?);
             }
         }
-        steps.push(finding.show(device, world, &states, output)?);
+        steps.push(finding.show(device, world, &states, to.output)?);
         if let Some(cells) = &cells {
-            steps.push(cells.shine(device, world, inputs.gbuffer, [&uniforms[0], output])?);
+            steps.push(cells.shine(device, world, gbuffer, [&to.uniforms[0], to.output])?);
         }
         Ok(steps)
     }

@@ -4,12 +4,12 @@ use super::tile::Tiles;
 use crate::raster::World;
 use crate::raster::glow::Keeping;
 use crate::raster::light::shadow_sampler;
-use crate::screen::{GpuGBuffer, MethodStep, Step};
+use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
 use crate::surfels::groups;
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::uniforms::{GlowLevel, GlowStretch};
-use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::wgsl::{Shader, TILE};
 
 /// Tiles, or nodes, of a node of the tree.
 const FAN: usize = 8;
@@ -30,12 +30,7 @@ impl Finding {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(
-        device: &wgpu::Device,
-        world: &World,
-        gbuffer: &GpuGBuffer,
-        texels: u32,
-    ) -> Result<Self, GpuError> {
+    pub fn new(device: &Device, world: &World, gbuffer: &GpuGBuffer, texels: u32) -> Result<Self, GpuError> {
         let all = Tiles::new(&world.animated(), &world.geometry.draws, texels);
         let levels = levels(all.tiles.len());
         let nodes: u32 = levels.iter().map(|level| level.nodes).sum();
@@ -63,7 +58,7 @@ impl Finding {
     ///
     /// # Errors
     /// If the device has none.
-    pub fn states(&self, device: &wgpu::Device, world: &World) -> Result<wgpu::Buffer, GpuError> {
+    pub fn states(&self, device: &Device, world: &World) -> Result<wgpu::Buffer, GpuError> {
         gpu::empty::<f32>(device, "phosphor.states", 2 * self.texels.max(1) * world.glow.states())
     }
 
@@ -73,15 +68,14 @@ impl Finding {
     /// If the device refuses.
     pub fn steps(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         gbuffer: &GpuGBuffer,
         view: &wgpu::Buffer,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let posed = &world.geometry.posed;
         let pass = |leaves: u32| {
-            let source = wgsl::PHOSPHOR_FIT.specialised(&[("FAN", FAN as u32), ("LEAVES", leaves)]);
-            Pass::new(device, wgsl::PHOSPHOR_FIT.name, &source)
+            device.pass(Shader::at("methods/phosphor/fit"), &[("FAN", FAN as u32), ("LEAVES", leaves)])
         };
         let (leaves, parents) = (pass(1)?, pass(0)?);
         let mut steps = Vec::new();
@@ -99,15 +93,14 @@ impl Finding {
 
     fn find(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         gbuffer: &GpuGBuffer,
         view: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let tiles = self.levels[0].children;
         let constants = [("FAN", FAN as u32), ("LEVELS", self.levels.len() as u32), ("TILES", tiles)];
-        let source = wgsl::PHOSPHOR_FIND.specialised(&constants);
-        let pass = Pass::new(device, wgsl::PHOSPHOR_FIND.name, &source)?;
+        let pass = device.pass(Shader::at("methods/phosphor/find"), &constants)?;
         let levels: Vec<[u32; 4]> =
             self.levels.iter().map(|level| [level.first, level.nodes, 0, 0]).collect();
         let levels = gpu::uniforms(device, "phosphor.levels", &levels)?;
@@ -124,7 +117,7 @@ impl Finding {
     pub fn keeping<'a>(&'a self, states: &'a wgpu::Buffer, euler: u32) -> Keeping<'a> {
         Keeping {
             euler,
-            shaders: [&wgsl::PHOSPHOR_STEP, &wgsl::PHOSPHOR_STEP_DIMMED],
+            shaders: [Shader::at("methods/phosphor/step"), Shader::at("methods/phosphor/step_dimmed")],
             keepers: [&self.tiles, &self.owners],
             count: self.texels,
             states,
@@ -137,15 +130,14 @@ impl Finding {
     /// If the device refuses.
     pub fn show(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         states: &wgpu::Buffer,
         image: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
         let constants = [("STATES", glow.states() as u32), glow.paint_states()];
-        let source = wgsl::PHOSPHOR_SHOW.specialised(&constants);
-        let pass = Pass::new(device, wgsl::PHOSPHOR_SHOW.name, &source)?;
+        let pass = device.pass(Shader::at("methods/phosphor/show"), &constants)?;
         let pixels = (self.found.size() / 16) as usize;
         let reads = [&glow.paints, &self.tiles, &self.found, states];
         MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
@@ -158,7 +150,7 @@ impl Finding {
     /// If the device refuses.
     pub fn look_back(
         &self,
-        device: &wgpu::Device,
+        device: &Device,
         world: &World,
         gbuffer: &GpuGBuffer,
         ([since, until], samples, adds): ([f32; 2], u32, bool),
@@ -166,8 +158,11 @@ impl Finding {
     ) -> Result<Vec<MethodStep>, GpuError> {
         let glow = &world.glow;
         let at_once = glow.samples_at_once(world.scene().medium.is_some());
-        let (shader, constants) = world.dimmed([&wgsl::PHOSPHOR_GLASSNER, &wgsl::PHOSPHOR_GLASSNER_DIMMED]);
-        let pass = Pass::new(device, shader.name, &shader.specialised(&constants))?;
+        let (shader, constants) = world.dimmed([
+            Shader::at("methods/phosphor/glassner"),
+            Shader::at("methods/phosphor/glassner_dimmed"),
+        ]);
+        let pass = device.pass(shader, &constants)?;
         let sampler = shadow_sampler(device);
         let own = [settings, &glow.paints, &self.tiles, &world.geometry.posed, &self.found, &glow.past];
         let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();

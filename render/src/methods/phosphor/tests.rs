@@ -3,7 +3,7 @@
 mod kept_light;
 mod limits;
 
-use super::glassner::{Glassner, Parameters as Moments};
+use super::glassner::Parameters as Moments;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -14,7 +14,7 @@ use crate::scene::glow::tests::glow;
 use crate::scene::glow::{Glow, Start};
 use crate::scene::medium::Weather;
 use crate::scene::{Bounds, Camera, Density, Light, Look, Material, MaterialId, Medium, Mesh, Scene};
-use crate::screen::{self, GpuGBuffer, Plan};
+use crate::screen::{self, GpuGBuffer, Inputs, Plan, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{Vec2, Vec3};
@@ -93,7 +93,7 @@ fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
 /// The shares of all texels after what a room's scene says, by the passes and by the plain version.
 fn both_states((scene, view, gbuffer): &(TracedScene, View, GBuffer), texels: u32) -> [Vec<f32>; 2] {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(texels)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(texels));
     let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
@@ -111,7 +111,7 @@ fn near(a: &[f32], b: &[f32], tolerance: f32) -> bool {
 #[test]
 fn states_and_images_are_those_of_the_plain_version() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(100)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
     // Shadow maps end within a texel of where shadows do.
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
 }
@@ -119,7 +119,7 @@ fn states_and_images_are_those_of_the_plain_version() {
 #[test]
 fn moments_of_the_past_are_those_of_the_plain_version() {
     let gpu = gpu();
-    let method = Glassner::new(&gpu, Moments { samples: 9 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Moments { samples: 9 });
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
 }
 
@@ -130,7 +130,7 @@ fn so_are_moments_of_light_through_fog() {
         Medium::new(Vec3::splat(0.05), Vec3::new(0.3, 0.2, 0.1), 0.0, Density::Everywhere).expect("a medium");
     let look = Look { medium: Some(Arc::new(fog)), ..scene.scene().look() };
     let foggy = scene.with_look(look).expect("a look");
-    let method = Glassner::new(&gpu(), Moments { samples: 9 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu(), Moments { samples: 9 });
     prove_twin(&method, &(foggy, view, gbuffer), Tolerance { usual: 2e-3, worst: 0.06 });
 }
 
@@ -174,8 +174,8 @@ fn what_moved_leaves_its_shadows_where_they_were() {
         camera(),
         [37, 53],
     );
-    let states = RateEquation::new(&gpu, Parameters::exact(150)).expect("valid shaders");
-    let moments = Glassner::new(&gpu, Moments { samples: 16 }).expect("valid shaders");
+    let states = ScreenMethod::new(&gpu, Parameters::exact(150));
+    let moments = ScreenMethod::new(&gpu, Moments { samples: 16 });
     let spacing = scene.diagonal() / 150.0;
     // Of a map of 90 degrees and 1024 texels, at the floor's distance; a lookup mixes two by two.
     let texel = 2.0 * 2.0 * 2.5 / 1024.0;
@@ -225,7 +225,7 @@ fn what_moved_leaves_its_shadows_where_they_were() {
 #[test]
 fn a_medium_keeps_light_as_in_the_plain_version() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(100)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
     let bounds = Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) };
     let smoke = Weather::smoke(3, 1.5, 0.9).grid(bounds, 12, 0.0).expect("smoke");
     for density in [Density::Grid(smoke), Density::Within(bounds)] {
@@ -270,7 +270,7 @@ fn steps_of_euler_tend_to_the_exact_ones() {
     let lights = vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)];
     let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
     let image = |euler| {
-        let method = RateEquation::new(&gpu, Parameters { texels: 60, euler }).expect("valid shaders");
+        let method = ScreenMethod::new(&gpu, Parameters { texels: 60, euler });
         prove_twin(&method, &room, Tolerance { usual: 1e-4, worst: 1e-4 });
         shaded(&method, &room)
     };
@@ -292,9 +292,9 @@ fn moments_tend_to_the_rate_equation_where_light_is_weak() {
     let glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
     let room =
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 1e-3)], glow), camera(), [24, 32]);
-    let right = shaded(&RateEquation::new(&gpu, Parameters::exact(200)).expect("valid shaders"), &room);
+    let right = shaded(&ScreenMethod::new(&gpu, Parameters::exact(200)), &room);
     let error = |samples| {
-        let image = shaded(&Glassner::new(&gpu, Moments { samples }).expect("valid shaders"), &room);
+        let image = shaded(&ScreenMethod::new(&gpu, Moments { samples }), &room);
         let squares = image.data().iter().zip(right.data()).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
         (squares / right.data().iter().map(|value| value * value).sum::<f32>()).sqrt()
     };
@@ -318,7 +318,7 @@ impl Loop {
     ) -> Self {
         let gpu = gpu();
         let (_, view, gbuffer) = frame;
-        let method = RateEquation::new(&gpu, Parameters::exact(texels)).expect("valid shaders");
+        let method = ScreenMethod::new(&gpu, Parameters::exact(texels));
         let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
         let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
         let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
@@ -374,8 +374,8 @@ fn slow_states_lose_nothing_to_rounding() {
 #[test]
 fn extremes_give_shares_and_finite_images() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(30)).expect("valid shaders");
-    let rival = Glassner::new(&gpu, Moments { samples: 4 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(30));
+    let rival = ScreenMethod::new(&gpu, Moments { samples: 4 });
     for (decays, power, moment, start) in [
         (&[0.0, 1e30][..], 1e30, 1.0, Start::Share(1.0)),
         (&[1e-30], 0.0, 1e30, Start::LitForLong),
@@ -398,7 +398,7 @@ fn extremes_give_shares_and_finite_images() {
 #[test]
 fn nothing_glows_without_paint_or_lamps() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(30)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(30));
     let lit = || vec![lamp(Vec3::Y, 5.0)];
     let mut unpainted = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     unpainted.surfaces[0].0 = Some("no such material".to_owned());
@@ -412,7 +412,7 @@ fn nothing_glows_without_paint_or_lamps() {
 #[test]
 fn each_material_has_its_own_paint() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(60)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(60));
     let mut of_wall = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     of_wall.surfaces[0].0 = Some("wall".to_owned());
     let (scene, view, _) =

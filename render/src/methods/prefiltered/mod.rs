@@ -16,7 +16,6 @@
 
 pub mod filter;
 pub mod lobe;
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
@@ -24,13 +23,24 @@ mod tests;
 use super::environment_map::EnvironmentMap;
 use super::{Quality, images};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use filter::LEVELS;
 use glam::Vec3;
-use passes::Passes;
+use lobe::{ANGLES, EXPONENTS};
+
+/// What the pass reads, in the order of its bindings.
+const ATTRIBUTES: &[Attribute] = &[
+    Attribute::WorldNormal,
+    Attribute::ToCamera,
+    Attribute::Diffuse,
+    Attribute::Specular,
+    Attribute::Glossiness,
+    Attribute::Valid,
+];
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -38,12 +48,6 @@ pub struct Parameters {
     /// Rows of the finest map: rounded down to a power of two, at least 32.
     #[schemars(range(min = 32, max = 1024), extend("unit" = "rows"))]
     pub height: usize,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
 }
 
 impl Parameters {
@@ -75,17 +79,9 @@ pub struct Filtered {
     pub table: Vec<Vec3>,
 }
 
-/// The method, compiled for a device.
-pub type Prefiltered = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "prefiltered";
-    const EFFECT: Effect = Effect::Ibl;
-    const ATTRIBUTES: &'static [Attribute] = &passes::ATTRIBUTES;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen("prefiltered", Effect::Ibl, ATTRIBUTES)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
@@ -93,19 +89,32 @@ impl Technique for Parameters {
         vec![bytes_of(&image).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let environment = self.filtered(inputs.environment);
-        passes.steps(device, inputs.gbuffer, &environment, &uniforms[0], output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, environment) = (to.device, self.filtered(to.environment));
+        let sizes = [("LEVELS", LEVELS), ("EXPONENTS", EXPONENTS), ("ANGLES", ANGLES)];
+        let constants = sizes.map(|(name, size)| (name, size as u32));
+        let pass = device.pass(Shader::at("methods/prefiltered/shade"), &constants)?;
+        let environment = gpu::storage(device, "prefiltered.environment", &packed(&environment))?;
+        let attributes = ATTRIBUTES.iter().map(|attribute| to.gbuffer.buffer(*attribute));
+        let reads: Vec<_> = [&to.uniforms[0]].into_iter().chain(attributes).chain([&environment]).collect();
+        Ok(vec![MethodStep::bind(device, &pass, to.whole(), &reads, &[to.output])?])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, _view: &View) -> Result<Written, MissingAttribute> {
         Ok(images([reference::shade(inputs.gbuffer, &self.filtered(inputs.environment))?]))
     }
+}
+
+/// First texel and height of each map, the table of lobes, the maps' texels: one buffer, since a stage may have eight.
+fn packed(environment: &Filtered) -> Vec<[f32; 4]> {
+    let mut first = LEVELS + EXPONENTS * ANGLES;
+    let mut packed = Vec::new();
+    for map in &environment.maps {
+        // Whole numbers below 2^24, which floats hold.
+        packed.push([first as f32, map.height() as f32, 0.0, 0.0]);
+        first += map.texels().len();
+    }
+    packed.extend(environment.table.iter().map(|lobe| lobe.extend(0.0).to_array()));
+    packed.extend(environment.maps.iter().flat_map(|map| map.padded()));
+    packed
 }

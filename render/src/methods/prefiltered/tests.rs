@@ -8,6 +8,7 @@ use crate::path::bsdf::Phong;
 use crate::path::proving::{integral, spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::sky;
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -38,7 +39,7 @@ fn floor(degrees: f32, roughnesses: &[f32], diffuse: Vec3, specular: Vec3) -> GB
         12 => 1.0 - roughnesses[x],
         _ => 1.0,
     });
-    GBuffer::new(passes::ATTRIBUTES.to_vec(), planes)
+    GBuffer::new(ATTRIBUTES.to_vec(), planes)
 }
 
 /// What Phong's model reflects of an environment there: `path/bsdf.rs` written down once more.
@@ -142,7 +143,7 @@ fn the_table_of_lobes_is_nearer_to_the_integral_than_whole_lobes() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let prefiltered = Prefiltered::new(&gpu, Parameters::of(Quality::Low)).expect("valid shaders");
+    let prefiltered = ScreenMethod::new(&gpu, Parameters::of(Quality::Low));
     let environment = coloured().rotated(0.7);
     for (height, width) in [(37, 50), (1, 1), (17, 5)] {
         let (_, view, gbuffer) = everything(height, width);
@@ -180,7 +181,7 @@ fn the_method_is_nearer_to_truth_than_light_from_everywhere() {
     let shot = Shot::new(&scene, &view.camera, [view.height, view.width], view.radius);
     let truth = path::render(Effect::Ibl, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let prefiltered = Prefiltered::new(&gpu, Parameters::default()).expect("valid shaders");
+    let prefiltered = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let error =
         |environment| mean_difference(&on_gpu(&prefiltered, &gbuffer, Some(environment), &view), &truth);
     let (found, even) = (error(&environment), error(&even));

@@ -13,7 +13,6 @@ use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod, V
 use crate::surfels::Surfel;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::wgsl::{self, Shader};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -131,7 +130,7 @@ pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 /// A method's image, the same for the same frame twice, and the surfels that its passes have laid out for it. What the plain version of shading makes of
 /// these it makes on every device, however that rounds where it lays them out.
 pub fn shaded_by_surfels(
-    method: &impl ScreenMethod,
+    method: &ScreenMethod,
     (scene, view, gbuffer): &(TracedScene, View, GBuffer),
 ) -> (Planes, Vec<Disk>) {
     let Gpu { device, queue, .. } = method.gpu();
@@ -145,19 +144,19 @@ pub fn shaded_by_surfels(
     };
     let image = shaded();
     assert_eq!(image, shaded(), "the same frame twice");
-    let written = |shader: &Shader| {
-        let step = plan.steps().iter().find(|step| step.step.pass.is_of(shader.name)).expect("a pass");
+    let written = |label: &str| {
+        let step = plan.steps().iter().find(|step| step.step.pass.is_of(label)).expect("a pass");
         step.writes.last().expect("a buffer")
     };
-    let totals: Vec<u32> = gpu::read(device, queue, written(&wgsl::SURFELS_TOTAL)).expect("totals");
-    let surfels: Vec<Surfel> = gpu::read(device, queue, written(&wgsl::SURFELS_PLACE)).expect("surfels");
+    let totals: Vec<u32> = gpu::read(device, queue, written("surfels.total")).expect("totals");
+    let surfels: Vec<Surfel> = gpu::read(device, queue, written("surfels.place")).expect("surfels");
     let image = Planes::from_data(method.effect().channels(), view.height, view.width, image);
     (image, surfels.into_iter().take(totals[0] as usize).map(Disk::from).collect())
 }
 
 /// Proves that a method's passes make what its plain version does, and the same of the same frame twice.
 pub fn prove_twin(
-    method: &impl ScreenMethod,
+    method: &ScreenMethod,
     (scene, view, gbuffer): &(TracedScene, View, GBuffer),
     tolerance: Tolerance,
 ) {

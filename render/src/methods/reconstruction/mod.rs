@@ -16,18 +16,16 @@
 //! the height. What truth shows beside direct light, emission and the environment, is not in the g-buffer of the effect.
 //! Its rivals blur along each pixel's own movement alone, which leaves edges of what moves sharp.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::Quality;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// Edge of a tile, pixels; the paper has 20.
 const TILE_SIZE: u32 = 16;
@@ -46,41 +44,44 @@ pub struct Parameters {
     pub depth_extent: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type Reconstruction = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "reconstruction";
-    const EFFECT: Effect = Effect::MotionBlur;
-    const ATTRIBUTES: &'static [Attribute] =
-        &[Attribute::Motion, Attribute::Light, Attribute::Depth, Attribute::Valid];
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen(
+            "reconstruction",
+            Effect::MotionBlur,
+            &[Attribute::Motion, Attribute::Light, Attribute::Depth, Attribute::Valid],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         vec![bytes_of(&self.settings(view)).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let gbuffer = inputs.gbuffer;
-        let sizes = self.sizes(gbuffer.height(), gbuffer.width());
-        passes.steps(device, gbuffer, &sizes, &uniforms[0], output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, settings) = (to.device, &to.uniforms[0]);
+        let [height, width] = to.size();
+        let uniforms::Reconstruction { tiles_high, tiles_wide, .. } = self.sizes(height, width);
+        let (rows, columns) = (tiles_high as usize, tiles_wide as usize);
+        // [tiles_high, tiles_wide, 4], of vec3f
+        let of_tiles = gpu::empty::<[f32; 4]>(device, "reconstruction.longest_of_tiles", rows * columns)?;
+        let around = gpu::empty::<[f32; 4]>(device, "reconstruction.longest_around", rows * columns)?;
+        let [light, valid, motion, depth] =
+            to.seen([Attribute::Light, Attribute::Valid, Attribute::Motion, Attribute::Depth]);
+        let step = |file, workgroups: [u32; 3], reads: &[(u32, &wgpu::Buffer)], written| {
+            MethodStep::bind_at(device, &device.pass(file, &[])?, workgroups, reads, &[written])
+        };
+        let [tiles, neighbours, gather] = [
+            Shader::at("methods/reconstruction/tiles"),
+            Shader::at("methods/reconstruction/neighbours"),
+            Shader::at("methods/reconstruction/gather"),
+        ];
+        let over_tiles = gpu::groups(rows, columns, TILE);
+        let seen = [(0, settings), (1, light), (2, valid), (3, motion), (4, depth), (5, &around)];
+        Ok(vec![
+            step(tiles, over_tiles, &[(0, settings), (2, valid), (3, motion)], (4, &of_tiles))?,
+            step(neighbours, over_tiles, &[(0, settings), (1, &of_tiles)], (2, &around))?,
+            step(gather, to.whole(), &seen, (6, to.output))?,
+        ])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

@@ -7,6 +7,7 @@ use crate::methods::proving::{
 };
 use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
@@ -131,12 +132,12 @@ fn directions_turn_from_right_to_up() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Reconstruction::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let coarse = Parameters { samples: 3, longest: 0.05, depth_extent: 0.5 };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::default()),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::default()),
+        (1, 1, Parameters::of(Quality::High)),
         (17, 5, unbounded(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -150,7 +151,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&exposed(&lit_still_life(HEIGHT, WIDTH), &Parameters::default()), TOLERANCE);
+    prove_comparator(&exposed(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
 }
 
 #[test]
@@ -159,7 +160,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::MotionBlur, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Reconstruction::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

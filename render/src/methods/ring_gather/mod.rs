@@ -18,18 +18,16 @@
 //! beside direct light, emission and the environment, is not in the g-buffer of the effect. Its rivals, separable blurs of
 //! the picture (Gaussian, hexagonal, octagonal), are faster and have neither round discs nor layers.
 
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::Quality;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::{TILE, uniforms};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -48,41 +46,52 @@ pub struct Parameters {
     pub softness: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type RingGather = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "ring-gather";
-    const EFFECT: Effect = Effect::Dof;
-    const ATTRIBUTES: &'static [Attribute] =
-        &[Attribute::Light, Attribute::Depth, Attribute::Blurriness, Attribute::Valid];
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen(
+            "ring-gather",
+            Effect::Dof,
+            &[Attribute::Light, Attribute::Depth, Attribute::Blurriness, Attribute::Valid],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         vec![bytes_of(&self.settings(view)).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let gbuffer = inputs.gbuffer;
-        let sizes = self.sizes(gbuffer.height(), gbuffer.width());
-        passes.steps(device, gbuffer, &sizes, &uniforms[0], output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, settings) = (to.device, &to.uniforms[0]);
+        let [height, width] = to.size();
+        let sizes = self.sizes(height, width);
+        let [low_height, low_width, tiles_high, tiles_wide] =
+            [sizes.low_height, sizes.low_width, sizes.tiles_high, sizes.tiles_wide].map(|edge| edge as usize);
+        let image = |label: &str| gpu::empty::<[f32; 4]>(device, label, low_height * low_width);
+        let (low, behind) = (image("ring_gather.low")?, image("ring_gather.behind")?);
+        let before = image("ring_gather.before")?;
+        let of_tiles = |label: &str| gpu::empty::<f32>(device, label, tiles_high * tiles_wide);
+        let largest_in_front = of_tiles("ring_gather.largest_in_front")?;
+        let largest_around = of_tiles("ring_gather.largest_around")?;
+        let over_low = gpu::groups(low_height, low_width, TILE);
+        let over_tiles = gpu::groups(tiles_high, tiles_wide, TILE);
+        let step = |file, workgroups, reads: &[&wgpu::Buffer], writes: &[&wgpu::Buffer]| {
+            let pass = device.pass(file, &[])?;
+            MethodStep::bind(device, &pass, workgroups, &[&[settings], reads].concat(), writes)
+        };
+        let [shrink, tiles, neighbours, gather, combine] = [
+            Shader::at("methods/ring_gather/shrink"),
+            Shader::at("methods/ring_gather/tiles"),
+            Shader::at("methods/ring_gather/neighbours"),
+            Shader::at("methods/ring_gather/gather"),
+            Shader::at("methods/ring_gather/combine"),
+        ];
+        let seen = to.seen([Attribute::Light, Attribute::Valid, Attribute::Depth, Attribute::Blurriness]);
+        Ok(vec![
+            step(shrink, over_low, &seen, &[&low])?,
+            step(tiles, over_tiles, &[&low], &[&largest_in_front])?,
+            step(neighbours, over_tiles, &[&largest_in_front], &[&largest_around])?,
+            step(gather, over_low, &[&low, &largest_around], &[&behind, &before])?,
+            step(combine, to.whole(), &[&seen[..], &[&low, &behind, &before]].concat(), &[to.output])?,
+        ])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

@@ -145,12 +145,12 @@ fn what_is_not_seen_is_far_away() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = RingGather::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let coarse = Parameters { scale: 3, rings: 1, softness: 2.5, ..unbounded(Quality::Low) };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::default()),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::default()),
+        (1, 1, Parameters::of(Quality::High)),
         (17, 5, unbounded(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -164,7 +164,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&blurred(&lit_still_life(HEIGHT, WIDTH), &Parameters::default()), TOLERANCE);
+    prove_comparator(&blurred(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let view = View { camera: Camera { lens: Some(lens), ..view.camera }, ..view };
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = RingGather::new(&gpu, unbounded(Quality::High)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, unbounded(Quality::High));
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, method.attributes());
     let truth = path::render(Effect::Dof, &shot, Sampling::one(64, 1)).mean;
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");

@@ -61,12 +61,6 @@ pub struct Parameters {
     pub samples: u32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: more samples have less noise. One layer without a guard band is what a g-buffer
     /// holds.

@@ -15,18 +15,16 @@
 //! instead.
 
 pub mod kernel;
-pub mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::{Quality, Translucent, images};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::GpuError;
-use deepshade_shaders::wgsl::uniforms;
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
-use passes::Passes;
 
 /// Most taps of one side, the middle among them: `MOST_TAPS` of the shader.
 const MOST_TAPS: usize = 25;
@@ -46,24 +44,13 @@ pub struct Parameters {
     pub follow: f32,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type Separable = Compiled<Parameters>;
-
 impl Technique for Parameters {
-    const NAME: &'static str = "separable";
-    const EFFECT: Effect = Effect::Sss;
-    const ATTRIBUTES: &'static [Attribute] =
-        &[Attribute::Position, Attribute::MeanFreePath, Attribute::Light, Attribute::Valid];
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::on_screen(
+            "separable",
+            Effect::Sss,
+            &[Attribute::Position, Attribute::MeanFreePath, Attribute::Light, Attribute::Valid],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
@@ -71,15 +58,21 @@ impl Technique for Parameters {
         vec![bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec(), bytes_of(&taps).to_vec()]
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, inputs.gbuffer, uniforms, output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, [rows, columns, taps]) = (to.device, to.uniforms) else {
+            unreachable!("the method has three uniform buffers")
+        };
+        let pass = device.pass(Shader::at("methods/separable/blur"), &[("MOST_TAPS", MOST_TAPS as u32)])?;
+        // [3, height, width]
+        let pixels = to.size().iter().product::<usize>();
+        let half_blurred = gpu::empty::<f32>(device, "separable.half_blurred", 3 * pixels)?;
+        let [light, valid, position, mean_free_path] =
+            to.seen([Attribute::Light, Attribute::Valid, Attribute::Position, Attribute::MeanFreePath]);
+        let step = |settings: &wgpu::Buffer, from: &wgpu::Buffer, written: &wgpu::Buffer| {
+            let reads = [settings, from, valid, position, mean_free_path, taps];
+            MethodStep::bind(device, &pass, to.whole(), &reads, &[written])
+        };
+        Ok(vec![step(rows, light, &half_blurred)?, step(columns, &half_blurred, to.output)?])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

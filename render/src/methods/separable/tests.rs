@@ -6,6 +6,7 @@ use crate::methods::proving::{
 };
 use crate::metrics::relative_mse;
 use crate::path::{self, Sampling, Shot};
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{IVec2, Vec3};
@@ -53,8 +54,10 @@ fn the_kernel_is_the_profile_integrated_over_columns() {
 #[test]
 fn even_light_stays_as_it_is() {
     let light = Vec3::new(0.3, 0.7, 5.0);
-    let image =
-        scattered(&facing_plane(HEIGHT, WIDTH, Vec3::new(7.0, 2.0, 0.0), |_| light), &Parameters::default());
+    let image = scattered(
+        &facing_plane(HEIGHT, WIDTH, Vec3::new(7.0, 2.0, 0.0), |_| light),
+        &Parameters::of(Quality::High),
+    );
     for (c, expected) in light.to_array().into_iter().enumerate() {
         assert!(image.plane(c).iter().all(|value| (value - expected).abs() < 1e-5 * expected));
     }
@@ -109,9 +112,9 @@ fn light_does_not_leap_between_surfaces_far_apart() {
     }
     let apart = GBuffer::new(plane.attributes().to_vec(), planes);
     let bled = |gbuffer: &GBuffer, follow: f32| {
-        scattered(gbuffer, &Parameters { follow, ..Parameters::default() }).at(0, 20, 29)
+        scattered(gbuffer, &Parameters { follow, ..Parameters::of(Quality::High) }).at(0, 20, 29)
     };
-    let follow = Parameters::default().follow;
+    let follow = Parameters::of(Quality::High).follow;
     assert!(bled(&apart, follow) < 1e-3, "{}", bled(&apart, follow));
     assert!(bled(&plane, follow) > 0.2 && bled(&apart, 0.0) > 0.2, "as it would on one surface");
 }
@@ -119,12 +122,12 @@ fn light_does_not_leap_between_surfaces_far_apart() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Separable::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let coarse = Parameters { taps: 3, reach: 2.0, follow: 0.0 };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::default()),
+        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::default()),
+        (1, 1, Parameters::of(Quality::High)),
         (17, 5, Parameters::of(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -136,7 +139,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&scattered(&lit_still_life(HEIGHT, WIDTH), &Parameters::default()), TOLERANCE);
+    prove_comparator(&scattered(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
 }
 
 #[test]
@@ -145,7 +148,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = Separable::new(&gpu, Parameters::default()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

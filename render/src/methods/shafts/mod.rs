@@ -68,12 +68,6 @@ pub trait Integration: Send + Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct Shafts<I>(pub I);
 
-impl<I: Integration> From<I> for Shafts<I> {
-    fn from(integration: I) -> Self {
-        Self(integration)
-    }
-}
-
 impl<I: Integration> Method for Shafts<I> {
     fn name(&self) -> &'static str {
         I::NAME

@@ -10,14 +10,13 @@ use super::{Integration, Lit, Shafts};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
-use crate::methods::fog_march::{self, FogMarch};
-use crate::methods::froxel::{self, Froxel};
-use crate::methods::gpu_epipolar::{self, GpuEpipolar};
-use crate::methods::{Quality, epipolar, epipolar_sampling, min_max, ray_march};
+use crate::methods::{
+    Quality, epipolar, epipolar_sampling, fog_march, froxel, gpu_epipolar, min_max, ray_march,
+};
 use crate::metrics::{exposed, exposure, relative_mse};
 use crate::path::proving::{floor, quad};
 use crate::scene::{Bounds, Camera, Density, Light, Material, Medium, Mesh, Scene};
-use crate::screen::Technique;
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
@@ -38,9 +37,9 @@ fn on_gpu() -> [Box<dyn Method>; 3] {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let fine = froxel::Parameters { tile: 1, slices: 384, samples: 1 };
     [
-        Box::new(FogMarch::new(&gpu, fog_march::Parameters::of(Quality::Ultra)).expect("a valid shader")),
-        Box::new(GpuEpipolar::new(&gpu, gpu_epipolar::Parameters::of(Quality::Ultra)).expect("a device")),
-        Box::new(Froxel::new(&gpu, fine).expect("valid shaders")),
+        Box::new(ScreenMethod::new(&gpu, fog_march::Parameters::of(Quality::Ultra))),
+        Box::new(ScreenMethod::new(&gpu, gpu_epipolar::Parameters::of(Quality::Ultra))),
+        Box::new(ScreenMethod::new(&gpu, fine)),
     ]
 }
 

@@ -22,12 +22,11 @@ pub mod reference;
 mod tests;
 
 use super::environment_map::EnvironmentMap;
-use super::{Quality, Surface, blur, images, march};
+use super::{Quality, Surface, blur, march::Marched};
 use crate::scene::Environment;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
-use deepshade_shaders::gpu::{self, GpuError};
-use deepshade_shaders::wgsl::{self, uniforms};
-use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use crate::screen::{PlainInputs, View};
+use deepshade_shaders::wgsl::{Shader, uniforms};
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 
 /// What can be set.
@@ -49,12 +48,6 @@ pub struct Parameters {
     pub blur: blur::Parameters,
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a finer map.
     ///
@@ -73,10 +66,22 @@ impl Parameters {
         Self { directions, steps, thickness: 0.3, environment_height, blur }
     }
 
-    /// The passes' parameters for a view.
-    pub fn settings(&self, view: &View) -> Settings {
+    /// What the environment is filtered into; black without one.
+    fn filtered(&self, environment: Option<&Environment>) -> EnvironmentMap {
+        let black = Environment::uniform(Vec3::ZERO);
+        EnvironmentMap::new(environment.unwrap_or(&black), self.environment_height.max(1))
+    }
+}
+
+impl Marched for Parameters {
+    const NAME: &'static str = "ssdo";
+    const EFFECT: Effect = Effect::Do;
+    const SHADER: Shader = Shader::at("methods/ssdo/light");
+    type March = uniforms::Ssdo;
+
+    fn march(&self, view: &View) -> uniforms::Ssdo {
         let [right, up, back] = [0, 1, 2].map(|axis| view.camera.rotation.col(axis));
-        let march = uniforms::Ssdo {
+        uniforms::Ssdo {
             width: view.width as u32,
             height: view.height as u32,
             directions: self.directions.max(1),
@@ -95,54 +100,23 @@ impl Parameters {
             back_x: back.x,
             back_y: back.y,
             back_z: back.z,
-        };
-        Settings { march, blurs: self.blur.settings(view, Effect::Do) }
+        }
     }
 
-    /// What the environment is filtered into; black without one.
-    fn filtered(&self, environment: Option<&Environment>) -> EnvironmentMap {
-        let black = Environment::uniform(Vec3::ZERO);
-        EnvironmentMap::new(environment.unwrap_or(&black), self.environment_height.max(1))
-    }
-}
-
-/// Parameters of the three passes for one frame, as the GPU reads them.
-pub type Settings = march::Settings<uniforms::Ssdo>;
-
-/// The method, compiled for a device.
-pub type Ssdo = Compiled<Parameters>;
-
-impl Technique for Parameters {
-    const NAME: &'static str = "ssdo";
-    const EFFECT: Effect = Effect::Do;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
-    type Passes = march::Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<march::Passes, GpuError> {
-        march::Passes::new(device, &wgsl::SSDO_LIGHT, Self::EFFECT)
+    fn blur(&self) -> blur::Parameters {
+        self.blur
     }
 
-    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        self.settings(view).uniforms()
+    fn more(&self, environment: Option<&Environment>) -> Option<Vec<[f32; 4]>> {
+        Some(self.filtered(environment).padded().collect())
     }
 
-    fn steps(
+    fn noisy(
         &self,
-        passes: &march::Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let texels: Vec<[f32; 4]> = self.filtered(inputs.environment).padded().collect();
-        let environment = gpu::storage(device, "ssdo.environment", &texels)?;
-        let reads =
-            march::Reads { gbuffer: inputs.gbuffer, attributes: Self::ATTRIBUTES, more: &[&environment] };
-        passes.steps(device, reads, uniforms, output)
-    }
-
-    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let environment = self.filtered(inputs.environment);
-        Ok(images(reference::shade(&Surface::of(inputs.gbuffer)?, &environment, &self.settings(view))))
+        inputs: &PlainInputs<'_>,
+        surface: &Surface,
+        march: &uniforms::Ssdo,
+    ) -> Result<Planes, MissingAttribute> {
+        Ok(reference::gather_light(surface, &self.filtered(inputs.environment), march))
     }
 }

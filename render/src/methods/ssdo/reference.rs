@@ -1,19 +1,13 @@
-//! The slow, plain version of `light.wgsl`, kept so close to it that both can be read side by side, and the blur.
+//! The slow, plain version of `light.wgsl`, kept so close to it that both can be read side by side.
 
-use super::Settings;
+use crate::methods::Surface;
 use crate::methods::environment_map::EnvironmentMap;
-use crate::methods::{Surface, march};
 use deepshade_shaders::{Planes, random, wgsl::uniforms};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 
 /// Angle between a direction and the next, turns.
 const GOLDEN_TURN: f32 = 0.381_966;
-
-/// Irradiance over pi before the blur, after that along rows, and after both, `[3, height, width]` each.
-pub fn shade(surface: &Surface, environment: &EnvironmentMap, settings: &Settings) -> [Planes; 3] {
-    march::blurred(surface, &settings.blurs, gather_light(surface, environment, &settings.march))
-}
 
 /// Irradiance over pi before the blur, `[3, height, width]`: `light.wgsl`.
 pub fn gather_light(surface: &Surface, environment: &EnvironmentMap, ssdo: &uniforms::Ssdo) -> Planes {

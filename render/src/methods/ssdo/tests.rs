@@ -3,6 +3,7 @@
 use super::*;
 use crate::gbuffer;
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::march::blurred;
 use crate::methods::proving::receiver::beside_wall;
 use crate::methods::proving::{
     Tolerance, agree, corner, everything, gbuffer_of, hemisphere_mean, mean_difference, plane,
@@ -12,8 +13,8 @@ use crate::path::proving::{spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Camera;
 use crate::screen::ScreenMethod;
+use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{GBuffer, Planes};
 
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
@@ -32,9 +33,13 @@ const PLAIN: Parameters = Parameters {
 };
 
 fn shade(gbuffer: &GBuffer, environment: &Environment, parameters: &Parameters, radius: f32) -> Planes {
+    seen(gbuffer, Some(environment), parameters, &view(gbuffer.height(), gbuffer.width(), radius))
+}
+
+fn seen(gbuffer: &GBuffer, sky: Option<&Environment>, parameters: &Parameters, view: &View) -> Planes {
     let surface = Surface::of(gbuffer).expect("all attributes");
-    let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), radius));
-    let [.., image] = reference::shade(&surface, &parameters.filtered(Some(environment)), &settings);
+    let noisy = reference::gather_light(&surface, &parameters.filtered(sky), &parameters.march(view));
+    let [.., image] = blurred(parameters, &surface, view, noisy);
     image
 }
 
@@ -73,13 +78,11 @@ fn an_open_plane_has_its_irradiance_whatever_its_tilt() {
 #[test]
 fn light_comes_from_where_the_camera_in_the_world_says() {
     let gbuffer = gbuffer_of(9, 13, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), Vec3::Z));
-    let surface = Surface::of(&gbuffer).expect("all attributes");
     let environment = spotted().rotated(-2.0);
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.5, -2.0));
     let view = View { camera, ..view(9, 13, 1.0) };
     let parameters = Parameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
-    let [.., image] =
-        reference::shade(&surface, &parameters.filtered(Some(&environment)), &parameters.settings(&view));
+    let image = seen(&gbuffer, Some(&environment), &parameters, &view);
     let normal = camera.rotation * Vec3::Z;
     let expected = hemisphere_mean(normal, |direction| environment.radiance(direction).x);
     assert!((image.at(0, 4, 6) / expected - 1.0).abs() < 0.1, "{} and {expected}", image.at(0, 4, 6));
@@ -90,21 +93,18 @@ fn light_comes_from_where_the_camera_in_the_world_says() {
 #[test]
 fn it_is_black_without_an_environment_and_in_the_sky() {
     let gbuffer = still_life(HEIGHT, WIDTH);
-    let dark = Parameters::default().filtered(None);
-    let settings = Parameters::default().settings(&view(HEIGHT, WIDTH, 1.0));
-    let surface = Surface::of(&gbuffer).expect("all attributes");
-    let [.., image] = reference::shade(&surface, &dark, &settings);
+    let image = seen(&gbuffer, None, &Parameters::of(Quality::High), &view(HEIGHT, WIDTH, 1.0));
     assert!(image.data().iter().all(|value| *value == 0.0));
-    let image = shade(&gbuffer, &spotted(), &Parameters::default(), 1.0);
-    let seen = gbuffer.seen().expect("a mask");
-    assert!((0..HEIGHT * WIDTH).all(|i| seen[i] == (image.plane(0)[i] > 0.0)));
+    let image = shade(&gbuffer, &spotted(), &Parameters::of(Quality::High), 1.0);
+    let mask = gbuffer.seen().expect("a mask");
+    assert!((0..HEIGHT * WIDTH).all(|i| mask[i] == (image.plane(0)[i] > 0.0)));
     assert!(image.data().iter().all(|value| value.is_finite()));
 }
 
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = Ssdo::new(&gpu, Parameters::default()).expect("valid shaders");
+    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let environment = spotted().rotated(0.7);
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
@@ -123,9 +123,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &Parameters::default(), 1.0);
+    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &Parameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
-    let turned = shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &Parameters::default(), 1.0);
+    let turned =
+        shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &Parameters::of(Quality::High), 1.0);
     assert!(agree(&right, &turned, TOLERANCE).is_err(), "a turned environment");
 }
 
@@ -140,7 +141,7 @@ fn the_method_is_nearer_to_truth_than_light_that_nothing_blocks() {
     let (scene, radius) = (with_environment(corner(), dusk()), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = Ssdo::new(&gpu, Parameters::default()).expect("valid shaders");
+    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, ssdo.attributes());
     let image = |radius| {
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };

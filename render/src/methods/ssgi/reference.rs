@@ -1,17 +1,11 @@
-//! The slow, plain version of `light.wgsl`, and the blur.
+//! The slow, plain version of `light.wgsl`.
 
-use super::Settings;
-use crate::methods::{Surface, march, slices, surface::vector};
+use crate::methods::{Surface, slices, surface::vector};
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::{IVec2, Vec3};
 
-/// Irradiance over pi before the blur, after that along rows, and after both, `[3, height, width]` each, of direct light that is reflected diffusely,
-/// [`Attribute::DiffuseLight`](deepshade_shaders::Attribute::DiffuseLight).
-pub fn shade(surface: &Surface, diffuse_light: &Planes, settings: &Settings) -> [Planes; 3] {
-    march::blurred(surface, &settings.blurs, gather_light(surface, diffuse_light, &settings.march))
-}
-
-/// Irradiance over pi before the blur, `[3, height, width]`: `light.wgsl`.
+/// Irradiance over pi before the blur, `[3, height, width]`, of direct light that is reflected diffusely,
+/// [`Attribute::DiffuseLight`](deepshade_shaders::Attribute::DiffuseLight): `light.wgsl`.
 pub fn gather_light(surface: &Surface, diffuse_light: &Planes, settings: &uniforms::Slices) -> Planes {
     // The other side of a surface may be lit or not, but is not seen.
     let sent = |at: IVec2, toward: Vec3| {

@@ -12,9 +12,9 @@ use crate::methods::proving::{
 use crate::metrics::ssim;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Camera, Light};
-use crate::screen::ScreenMethod;
+use crate::screen::{ScreenMethod, Technique};
+use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::Gpu;
-use deepshade_shaders::{GBuffer, Planes};
 use glam::Vec3;
 
 const HEIGHT: usize = 43;
@@ -115,7 +115,7 @@ fn nothing_is_sent_along_a_plane_or_to_the_sky() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssgi = Ssgi::new(&gpu, Parameters::default()).expect("valid shaders");
+    let ssgi = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
@@ -133,11 +133,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 fn the_comparator_rejects_what_is_wrong() {
     let shade = |seed| {
         let gbuffer = coloured(HEIGHT, WIDTH);
-        let settings = Parameters::default().settings(&View { seed, ..view(HEIGHT, WIDTH, 2.0) });
-        let light = gbuffer.select(&[Attribute::DiffuseLight]).expect("light");
-        let [.., image] =
-            reference::shade(&Surface::of(&gbuffer).expect("all attributes"), &light, &settings);
-        image
+        let view = View { seed, ..view(HEIGHT, WIDTH, 2.0) };
+        let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: None };
+        let written = Parameters::of(Quality::High).reference(&inputs, &view).expect("all attributes");
+        Planes::from_data(3, HEIGHT, WIDTH, written[2].clone())
     };
     prove_comparator(&shade(11), TOLERANCE);
     assert!(agree(&shade(11), &shade(12), TOLERANCE).is_err(), "another seed");
@@ -156,7 +155,7 @@ fn at_corner(parameters: Parameters) -> [Planes; 2] {
     let (scene, radius) = (lit_corner(), 1.5);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssgi = Ssgi::new(&gpu, parameters).expect("valid shaders");
+    let ssgi = ScreenMethod::new(&gpu, parameters);
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, ssgi.attributes());
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };
     let found = ssgi.shade(&frame, Repeats::ONCE).expect("runs").image;
@@ -166,7 +165,7 @@ fn at_corner(parameters: Parameters) -> [Planes; 2] {
 
 #[test]
 fn the_method_is_nearer_to_truth_than_black() {
-    let [found, truth] = at_corner(Parameters::default());
+    let [found, truth] = at_corner(Parameters::of(Quality::High));
     let black = mean_difference(&Planes::filled(3, HEIGHT, WIDTH, 0.0), &truth);
     let found = mean_difference(&found, &truth);
     assert!(black > 0.03 && found < 0.3 * black, "black {black}, ssgi {found}");

@@ -1,5 +1,6 @@
 //! Subsurface scattering as random walks bring it out ([`Effect::Subsurface`]), by methods of scattering in screen
-//! space: [`separable`] and [`gather`], the rivals of surfels, which know only what is seen.
+//! space: [`separable`](super::separable) and [`gather`](super::gather), the rivals of surfels, which know only what is
+//! seen.
 //!
 //! In screen space radiance is averaged by Christensen and Burley's profile (2015), whose length is the mean free path.
 //! Walks differ in two things. What they bring out is what falls on the surface elsewhere, in the colour of the surface
@@ -16,11 +17,10 @@ mod tests;
 
 use super::surface::vector;
 use super::surfel::scattering::shape;
-use super::{gather, separable};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use crate::surfels::groups;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use glam::{IVec2, Vec3};
 
@@ -28,72 +28,40 @@ use glam::{IVec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct FromScreen<T>(pub T);
 
-impl<T> From<T> for FromScreen<T> {
-    fn from(method: T) -> Self {
-        Self(method)
-    }
-}
-
-/// By two blurs, compiled for a device.
-pub type SeparableSubsurface = Compiled<FromScreen<separable::Parameters>>;
-/// By a gather, compiled for a device.
-pub type GatherSubsurface = Compiled<FromScreen<gather::Parameters>>;
-
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes<P> {
-    enter: Pass,
-    method: P,
-    leave: Pass,
-}
-
 impl<T: Technique> Technique for FromScreen<T> {
-    const NAME: &'static str = T::NAME;
-    const EFFECT: Effect = Effect::Subsurface;
-    const ATTRIBUTES: &'static [Attribute] = &[
-        Attribute::Position,
-        Attribute::MeanFreePath,
-        Attribute::Diffuse,
-        Attribute::DiffuseLight,
-        Attribute::Valid,
-    ];
-    type Passes = Passes<T::Passes>;
-
-    fn compile(device: &wgpu::Device) -> Result<Self::Passes, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(Passes {
-            enter: pass(&wgsl::SUBSURFACE_ENTER)?,
-            method: T::compile(device)?,
-            leave: pass(&wgsl::SUBSURFACE_LEAVE)?,
-        })
+    fn about(&self) -> About {
+        About::on_screen(
+            self.0.about().name,
+            Effect::Subsurface,
+            &[
+                Attribute::Position,
+                Attribute::MeanFreePath,
+                Attribute::Diffuse,
+                Attribute::DiffuseLight,
+                Attribute::Valid,
+            ],
+        )
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         self.0.uniforms(view)
     }
 
-    fn steps(
-        &self,
-        passes: &Self::Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let gbuffer = inputs.gbuffer;
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let (device, gbuffer) = (to.device, to.gbuffer);
         let values = 3 * gbuffer.height() * gbuffer.width();
         let room = |label: &str| gpu::empty::<f32>(device, label, values);
         let (received, lengths) = (room("subsurface.received")?, room("subsurface.lengths")?);
         let scattered = room("subsurface.scattered")?;
-        let [light, colour, paths] =
-            [Attribute::DiffuseLight, Attribute::Diffuse, Attribute::MeanFreePath].map(|a| gbuffer.buffer(a));
+        let reads = to.seen([Attribute::DiffuseLight, Attribute::Diffuse, Attribute::MeanFreePath]);
+        let [_, colour, _] = reads;
         let all = groups(values);
-        let reads = [light, colour, paths];
-        let mut steps = vec![MethodStep::bind(device, &passes.enter, all, &reads, &[&received, &lengths])?];
+        let enter = device.pass(Shader::at("methods/subsurface/enter"), &[])?;
+        let leave = device.pass(Shader::at("methods/subsurface/leave"), &[])?;
+        let mut steps = vec![MethodStep::bind(device, &enter, all, &reads, &[&received, &lengths])?];
         let given = gbuffer.with(Attribute::Light, received).with(Attribute::MeanFreePath, lengths);
-        let inputs = Inputs { gbuffer: &given, ..*inputs };
-        steps.extend(self.0.steps(&passes.method, device, &inputs, uniforms, &scattered)?);
-        steps.push(MethodStep::bind(device, &passes.leave, all, &[&scattered, colour], &[output])?);
+        steps.extend(self.0.steps(&Resources { gbuffer: &given, output: &scattered, ..*to })?);
+        steps.push(MethodStep::bind(device, &leave, all, &[&scattered, colour], &[to.output])?);
         Ok(steps)
     }
 

@@ -1,24 +1,25 @@
 //! Passes against the plain version, the methods that they wrap, and truth by random walks.
 
 use super::*;
-use crate::methods::Quality;
 use crate::methods::proving::{
     Tolerance, agree, everything, facing_plane, mean_difference, on_gpu, prove_comparator, prove_twin, view,
     written_on_gpu,
 };
+use crate::methods::{Quality, gather, separable};
 use crate::path::{self, Sampling, Shot};
+use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 
 fn gpu() -> Gpu {
     Gpu::new().expect("an adapter; lavapipe will do")
 }
 
-fn separable(quality: Quality) -> SeparableSubsurface {
-    SeparableSubsurface::new(&gpu(), FromScreen(separable::Parameters::of(quality))).expect("valid shaders")
+fn separable(quality: Quality) -> ScreenMethod {
+    ScreenMethod::new(&gpu(), FromScreen(separable::Parameters::of(quality)))
 }
 
-fn gather(quality: Quality) -> GatherSubsurface {
-    GatherSubsurface::new(&gpu(), FromScreen(gather::Parameters::of(quality))).expect("valid shaders")
+fn gather(quality: Quality) -> ScreenMethod {
+    ScreenMethod::new(&gpu(), FromScreen(gather::Parameters::of(quality)))
 }
 
 /// A plane that faces the camera, whose surface has a colour and receives light: white light as it leaves it.
@@ -32,10 +33,7 @@ fn coloured(colour: impl Fn(IVec2) -> Vec3, light: impl Fn(IVec2) -> Vec3 + Sync
     let colours = Planes::from_fn(3, height, width, |c, y, x| at(y, x)[c]);
     let lit = Planes::from_fn(3, height, width, |c, y, x| at(y, x)[c] * received.at(c, y, x));
     let data = [position.data(), lengths.data(), colours.data(), lit.data(), valid.data()].concat();
-    GBuffer::new(
-        FromScreen::<gather::Parameters>::ATTRIBUTES.to_vec(),
-        Planes::from_data(13, height, width, data),
-    )
+    GBuffer::new(gather(Quality::Low).attributes().to_vec(), Planes::from_data(13, height, width, data))
 }
 
 /// Proves of the gather what `prove_twin` does, from the lengths that the passes have written: of those that differ in
@@ -102,11 +100,11 @@ fn one_colour_is_that_of_screen_space_with_a_shorter_length() {
     let view = view(33, 45, 1.0);
     let found = on_gpu(&separable(Quality::High), &gbuffer, None, &view);
     let shorter = facing_plane(33, 45, Vec3::new(6.0, 3.0, 0.0) / shape(colour), step);
-    let plain = separable::Separable::new(&gpu(), separable::Parameters::of(Quality::High));
-    let right = on_gpu(&plain.expect("valid shaders"), &shorter, None, &view);
+    let plain = ScreenMethod::new(&gpu(), separable::Parameters::of(Quality::High));
+    let right = on_gpu(&plain, &shorter, None, &view);
     let same = facing_plane(33, 45, Vec3::new(6.0, 3.0, 0.0), step);
-    let longer = separable::Separable::new(&gpu(), separable::Parameters::of(Quality::High));
-    let longer = on_gpu(&longer.expect("valid shaders"), &same, None, &view);
+    let longer = ScreenMethod::new(&gpu(), separable::Parameters::of(Quality::High));
+    let longer = on_gpu(&longer, &same, None, &view);
     let off = |image: &Planes, c: usize| {
         let differences = found.plane(c).iter().zip(image.plane(c));
         differences.map(|(a, b)| (a - colour[c] * b).abs()).fold(0.0, f32::max)

@@ -3,52 +3,22 @@
 
 use super::directional::Sky;
 use crate::methods::lobe;
-use crate::screen::{Inputs, MethodStep};
+use crate::screen::{MethodStep, Resources};
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{Shader, TILE};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 
-/// What the sum of all levels becomes, with the passes that make it: shaders, or these compiled.
-#[derive(Clone, Copy, Debug)]
-pub enum Ending<P> {
+/// What the sum of all levels becomes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
     /// It is the image.
     Sum,
     /// What glossy receivers reflect where it is what they would if they were white.
-    Reflected {
-        /// What splats read of receivers.
-        gloss: P,
-        /// The image.
-        reflect: P,
-    },
+    Reflected,
     /// What is open where it is what is blocked of the environment's light.
-    Open(P),
+    Open,
     /// Scattered light where it is what bodies let through.
-    Scattered {
-        /// What scatters below each pixel.
-        bodies: P,
-        /// The image.
-        scatter: P,
-    },
-}
-
-impl Ending<&'static Shader> {
-    /// Compiles the passes.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn compiled(&self, device: &wgpu::Device) -> Result<Ending<Pass>, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(match self {
-            Self::Sum => Ending::Sum,
-            Self::Reflected { gloss, reflect } => {
-                Ending::Reflected { gloss: pass(gloss)?, reflect: pass(reflect)? }
-            }
-            Self::Open(open) => Ending::Open(pass(open)?),
-            Self::Scattered { bodies, scatter } => {
-                Ending::Scattered { bodies: pass(bodies)?, scatter: pass(scatter)? }
-            }
-        })
-    }
+    Scattered,
 }
 
 /// The passes before and after the levels, and what levels are bound to.
@@ -69,22 +39,20 @@ pub struct Around {
 }
 
 impl Around {
-    /// Binds the passes of an ending; `size` holds the image's, `image` is what is wanted.
+    /// Binds the passes of an ending; `size` holds the image's.
     ///
     /// # Errors
     /// If the device has no room for what lies between them.
     pub fn new(
-        device: &wgpu::Device,
-        ending: &Ending<Pass>,
-        inputs: &Inputs<'_>,
+        ending: Ending,
+        to: &Resources<'_>,
         [size, view]: [&wgpu::Buffer; 2],
-        image: &wgpu::Buffer,
     ) -> Result<Self, GpuError> {
-        let seen = |attribute| inputs.gbuffer.buffer(attribute);
-        let receivers = [Attribute::Position, Attribute::Normal, Attribute::Valid].map(|a| seen(a).clone());
+        let (device, image, whole) = (to.device, to.output, to.whole());
+        let pass = |file| device.pass(file, &[]);
+        let receivers = to.seen([Attribute::Position, Attribute::Normal, Attribute::Valid]).map(Clone::clone);
         let [_, normal, valid] = &receivers;
-        let pixels = inputs.gbuffer.height() * inputs.gbuffer.width();
-        let whole = gpu::groups(inputs.gbuffer.height(), inputs.gbuffer.width(), TILE);
+        let pixels = to.size().iter().product::<usize>();
         let plain = Self {
             before: vec![],
             more: vec![],
@@ -95,30 +63,33 @@ impl Around {
         };
         Ok(match ending {
             Ending::Sum => plain,
-            Ending::Reflected { gloss, reflect } => {
-                let (gloss, step) = lobe::step(device, gloss, inputs.gbuffer)?;
+            Ending::Reflected => {
+                let (gloss, step) = lobe::step(device, to.gbuffer)?;
+                let reflect = &pass(Shader::at("methods/surfel/reflect"))?;
                 let [position, normal, _] = receivers;
                 let reads = [size, &position, &normal, &gloss];
                 let after = vec![MethodStep::bind(device, reflect, whole, &reads, &[image])?];
                 Self { before: vec![step], receivers: [position, normal, gloss], after, ..plain }
             }
-            Ending::Open(pass) => {
-                let [blocked, open] = Sky::new(inputs.environment).upload(device)?;
+            Ending::Open => {
+                let [blocked, open] = Sky::new(to.environment).upload(device)?;
+                let pass = &pass(Shader::at("methods/surfel/open"))?;
                 let reads = [size, view, normal, valid, &open];
                 let after = vec![MethodStep::bind(device, pass, whole, &reads, &[image])?];
                 Self { more: vec![view.clone(), blocked], after, ..plain }
             }
-            Ending::Scattered { bodies, scatter } => {
+            Ending::Scattered => {
+                let bodies = &pass(Shader::at("methods/surfel/bodies"))?;
+                let scatter = &pass(Shader::at("methods/surfel/scatter"))?;
                 let below = gpu::empty::<f32>(device, "surfel.bodies", 4 * pixels)?;
                 let mask = gpu::empty::<f32>(device, "surfel.body_mask", pixels)?;
                 let total = gpu::empty::<f32>(device, "surfel.given", 12 * pixels)?;
-                let [lengths, colour, object, light] = [
+                let [lengths, colour, object, light] = to.seen([
                     Attribute::MeanFreePath,
                     Attribute::Diffuse,
                     Attribute::ObjectId,
                     Attribute::DiffuseLight,
-                ]
-                .map(seen);
+                ]);
                 let reads = [size, valid, lengths, colour, object];
                 let before = vec![MethodStep::bind(device, bodies, whole, &reads, &[&below, &mask])?];
                 let reads = [size, valid, &total, light, colour];

@@ -1,27 +1,35 @@
 //! Directional occlusion by surfels (thesis 4.3): the environment's irradiance less what surfels block of it.
 
 use super::around::Ending;
-use super::{Plain, Surfel, SurfelEffect, passes, reference};
+use super::{Parameters, passes::Shading, reference};
+use crate::methods::disks::{DiskEffect, Plain, SURFACE};
 use crate::methods::environment_map::EnvironmentMap;
 use crate::methods::prefiltered::filter;
 use crate::scene::{Camera, Environment};
-use crate::screen::Compiled;
 use crate::surfels::Tree;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::gpu::{self, GpuError};
-use deepshade_shaders::wgsl;
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 
 /// Rows of the map that says what a surfel hides: as coarse as the solid angle of those that matter.
 const BLOCKED_HEIGHT: usize = 16;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Directional;
-
-/// The method, compiled for a device.
-pub type SurfelDirectional = Compiled<Surfel<Directional>>;
+/// The effect `do`.
+pub const DIRECTIONAL: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Do,
+    attributes: SURFACE,
+    lit: None,
+    passes: Shading {
+        tree: Tree::All,
+        splat: Shader::at("methods/surfel/blocked"),
+        add: Shader::at("methods/surfel/indirect"),
+        channels: 3,
+        ending: Ending::Open,
+    },
+    plain,
+};
 
 /// What surfaces and surfels look up of an environment.
 #[derive(Clone, Debug)]
@@ -62,32 +70,17 @@ impl Sky {
     }
 }
 
-impl SurfelEffect for Directional {
-    const EFFECT: Effect = Effect::Do;
-
-    fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::All,
-            splat: &wgsl::SURFEL_BLOCKED,
-            add: &wgsl::SURFEL_INDIRECT,
-            channels: 3,
-            lit: None,
-            ending: Ending::Open(&wgsl::SURFEL_OPEN),
-        }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        let (sky, camera) = (Sky::new(plain.environment), &plain.view.camera);
-        let hides = |disk: &Disk, _, way, receiver: reference::Receiver| {
-            sky.behind(camera, disk, way, receiver.normal).to_array()
-        };
-        let shade = reference::Shade { reach: &|_| f32::INFINITY, of: &hides };
-        let blocked = reference::sums(plain.surface, &disks, shade, plain.parameters, plain.view);
-        Ok(plain.surface.image(0.0, |at| {
-            let hidden =
-                Vec3::from_array(std::array::from_fn(|c| blocked.at(c, at.y as usize, at.x as usize)));
-            let open = sky.open.radiance(camera.rotation * plain.surface.normal_at(at));
-            (open - hidden).max(Vec3::ZERO).to_array()
-        }))
-    }
+/// The image in plain Rust.
+fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+    let (sky, camera) = (Sky::new(plain.environment), &plain.view.camera);
+    let hides = |disk: &Disk, _, way, receiver: reference::Receiver| {
+        sky.behind(camera, disk, way, receiver.normal).to_array()
+    };
+    let shade = reference::Shade { reach: &|_| f32::INFINITY, of: &hides };
+    let blocked = reference::sums(plain.surface, disks, shade, plain.parameters, plain.view);
+    Ok(plain.surface.image(0.0, |at| {
+        let hidden = Vec3::from_array(std::array::from_fn(|c| blocked.at(c, at.y as usize, at.x as usize)));
+        let open = sky.open.radiance(camera.rotation * plain.surface.normal_at(at));
+        (open - hidden).max(Vec3::ZERO).to_array()
+    }))
 }

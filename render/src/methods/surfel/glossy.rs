@@ -10,13 +10,13 @@
 
 use super::around::Ending;
 use super::reference::{Receiver, Shade, facing, sent};
-use super::{Plain, Surfel, SurfelEffect, passes, reference};
+use super::{Parameters, passes::Shading, reference};
+use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::lobe::{self, Gloss, Lobe};
-use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use crate::surfels::{Lit, Tree};
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
+use deepshade_shaders::wgsl::Shader;
+use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -25,51 +25,44 @@ use std::f32::consts::PI;
 /// a variance.
 const WIDER: f32 = 0.125;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Glossy;
+/// The effect `glossy`.
+pub const GLOSSY: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Glossy,
+    attributes: lobe::ATTRIBUTES,
+    lit: Some(Lit::Reflected),
+    passes: Shading {
+        tree: Tree::Lit,
+        splat: Shader::at("methods/surfel/glossy"),
+        add: Shader::at("methods/surfel/indirect"),
+        channels: 3,
+        ending: Ending::Reflected,
+    },
+    plain,
+};
 
-/// The method, compiled for a device.
-pub type SurfelGlossy = Compiled<Surfel<Glossy>>;
-
-impl SurfelEffect for Glossy {
-    const EFFECT: Effect = Effect::Glossy;
-    const ATTRIBUTES: &'static [Attribute] = lobe::ATTRIBUTES;
-
-    fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::Lit,
-            splat: &wgsl::SURFEL_GLOSSY,
-            add: &wgsl::SURFEL_INDIRECT,
-            channels: 3,
-            lit: Some(Lit::Reflected),
-            ending: Ending::Reflected { gloss: &wgsl::GLOSS, reflect: &wgsl::SURFEL_REFLECT },
-        }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        let Plain { gbuffer, surface, parameters, view, .. } = *plain;
-        let gloss = Gloss::of(gbuffer)?;
-        let reach = |at| gloss.lobe_at(surface, at).map_or(0.0, |_| f32::INFINITY);
-        let reflects = |disk: &Disk, stands_for: f32, way: Vec3, receiver: Receiver| {
-            let facing = facing(way, disk);
-            let Some(lobe) = gloss.lobe_at(surface, receiver.pixel).filter(|_| facing > 0.0) else {
-                return [0.0; 3];
-            };
-            let (squared, area) = (way.length_squared(), disk.radius * disk.radius);
-            let lobe = lobe.widened(WIDER * area * stands_for / squared);
-            let light = way / squared.sqrt();
-            let seen = PI * area * facing / (squared.sqrt() * (squared + area));
-            let reflected = lobe.density(light) * lobe.visibility(light) * tint(&lobe, light);
-            (sent(way, disk) * reflected * seen).to_array()
+/// The image in plain Rust.
+fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+    let Plain { gbuffer, surface, parameters, view, .. } = *plain;
+    let gloss = Gloss::of(gbuffer)?;
+    let reach = |at| gloss.lobe_at(surface, at).map_or(0.0, |_| f32::INFINITY);
+    let reflects = |disk: &Disk, stands_for: f32, way: Vec3, receiver: Receiver| {
+        let facing = facing(way, disk);
+        let Some(lobe) = gloss.lobe_at(surface, receiver.pixel).filter(|_| facing > 0.0) else {
+            return [0.0; 3];
         };
-        let shade = Shade { reach: &reach, of: &reflects };
-        let white = reference::sums(surface, &disks, shade, parameters, view);
-        Ok(surface.image(0.0, |at| {
-            let colour = gloss.lobe_at(surface, at).map_or(Vec3::ZERO, |lobe| lobe.usual_colour());
-            std::array::from_fn::<f32, 3, _>(|c| colour[c] * white.at(c, at.y as usize, at.x as usize))
-        }))
-    }
+        let (squared, area) = (way.length_squared(), disk.radius * disk.radius);
+        let lobe = lobe.widened(WIDER * area * stands_for / squared);
+        let light = way / squared.sqrt();
+        let seen = PI * area * facing / (squared.sqrt() * (squared + area));
+        let reflected = lobe.density(light) * lobe.visibility(light) * tint(&lobe, light);
+        (sent(way, disk) * reflected * seen).to_array()
+    };
+    let shade = Shade { reach: &reach, of: &reflects };
+    let white = reference::sums(surface, disks, shade, parameters, view);
+    Ok(surface.image(0.0, |at| {
+        let colour = gloss.lobe_at(surface, at).map_or(Vec3::ZERO, |lobe| lobe.usual_colour());
+        std::array::from_fn::<f32, 3, _>(|c| colour[c] * white.at(c, at.y as usize, at.x as usize))
+    }))
 }
 
 /// By how much more of light from a direction is reflected than where facets lie flat; of what is black as much.

@@ -6,51 +6,28 @@
 //! surfels without light are left out.
 
 use super::around::Ending;
-use super::{Plain, Surfel, SurfelEffect, passes, reference};
-use crate::screen::Compiled;
-use crate::surfels::reference::Disk;
+use super::reference::{self, LIGHT};
+use super::{Parameters, passes::Shading};
+use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::surfels::{Lit, Tree};
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, MissingAttribute, Planes};
+use deepshade_shaders::Effect;
+use deepshade_shaders::wgsl::Shader;
 
 /// The effect `gi`.
-#[derive(Clone, Copy, Debug)]
-pub struct Indirect;
+pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Gi,
+    attributes: SURFACE,
+    lit: Some(Lit::Reflected),
+    passes: Shading {
+        tree: Tree::Lit,
+        splat: Shader::at("methods/surfel/light"),
+        add: Shader::at("methods/surfel/indirect"),
+        channels: 3,
+        ending: Ending::Sum,
+    },
+    plain: |plain, disks| Ok(reference::sums(plain.surface, disks, LIGHT, plain.parameters, plain.view)),
+};
 
 /// The effect `phosphor-gi`.
-#[derive(Clone, Copy, Debug)]
-pub struct KeptLight;
-
-/// `gi`, compiled for a device.
-pub type SurfelIndirect = Compiled<Surfel<Indirect>>;
-
-impl SurfelEffect for Indirect {
-    const EFFECT: Effect = Effect::Gi;
-
-    fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::Lit,
-            splat: &wgsl::SURFEL_LIGHT,
-            add: &wgsl::SURFEL_INDIRECT,
-            channels: 3,
-            lit: Some(Lit::Reflected),
-            ending: Ending::Sum,
-        }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Ok(reference::sums(plain.surface, &disks, reference::LIGHT, plain.parameters, plain.view))
-    }
-}
-
-impl SurfelEffect for KeptLight {
-    const EFFECT: Effect = Effect::PhosphorGi;
-
-    fn shaders() -> passes::Shaders {
-        passes::Shaders { lit: Some(Lit::Kept), ..Indirect::shaders() }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Indirect::plain(plain, disks)
-    }
-}
+pub const KEPT_LIGHT: DiskEffect<Parameters> =
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };

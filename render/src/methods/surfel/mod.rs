@@ -34,14 +34,15 @@ pub mod passes;
 pub mod reference;
 pub mod scattering;
 pub mod shells;
-pub mod technique;
 #[cfg(test)]
 mod tests;
 
-pub use technique::{Plain, Surfel, SurfelEffect};
-
+use super::disks::{ByDisks, DiskEffect};
 use super::{Quality, blur};
+use crate::screen::{MethodStep, Resources, View};
 use crate::surfels;
+use deepshade_shaders::Effect;
+use deepshade_shaders::gpu::GpuError;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -63,12 +64,6 @@ pub const MOST_LEVELS: u32 = 8;
 /// A level is blurred no farther than this, pixels.
 const MOST_BLUR: u32 = 32;
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
 impl Parameters {
     /// Those of a quality: smaller surfels, and more of their effect on every pixel. On the six scenes of
     /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.279, 0.231 and 0.235:
@@ -88,13 +83,29 @@ impl Parameters {
         }
     }
 
-    /// These with numbers that make no sense brought into their range.
+    /// The blur of a level.
+    fn blur_of(&self, level: u32) -> blur::Parameters {
+        blur::Parameters { radius: (self.blur.radius << level).min(MOST_BLUR), ..self.blur }
+    }
+}
+
+impl ByDisks for Parameters {
+    const NAME: &'static str = "surfel";
+    type Passes = passes::Shading;
+
     fn sane(self) -> Self {
         Self { threshold: self.threshold.clamp(1e-6, 1.0), levels: self.levels.clamp(1, MOST_LEVELS), ..self }
     }
 
-    /// The blur of a level.
-    fn blur_of(&self, level: u32) -> blur::Parameters {
-        blur::Parameters { radius: (self.blur.radius << level).min(MOST_BLUR), ..self.blur }
+    fn surfels(&self) -> &surfels::Parameters {
+        &self.surfels
+    }
+
+    fn uniforms(&self, effect: Effect, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(self, effect, view)
+    }
+
+    fn steps(&self, effect: &DiskEffect<Self>, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::steps(effect, to)
     }
 }

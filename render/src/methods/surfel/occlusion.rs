@@ -1,35 +1,23 @@
 //! Ambient occlusion by surfels (thesis 4.3): the sum of their form factors.
 
 use super::around::Ending;
-use super::{Plain, Surfel, SurfelEffect, passes, reference};
-use crate::screen::Compiled;
+use super::{Parameters, passes::Shading, reference};
+use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::surfels::Tree;
-use crate::surfels::reference::Disk;
-use deepshade_shaders::wgsl;
-use deepshade_shaders::{Effect, MissingAttribute, Planes};
+use deepshade_shaders::Effect;
+use deepshade_shaders::wgsl::Shader;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Occlusion;
-
-/// The method, compiled for a device.
-pub type SurfelOcclusion = Compiled<Surfel<Occlusion>>;
-
-impl SurfelEffect for Occlusion {
-    const EFFECT: Effect = Effect::Ao;
-
-    fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::All,
-            splat: &wgsl::SURFEL_OCCLUSION,
-            add: &wgsl::SURFEL_OPENNESS,
-            channels: 1,
-            lit: None,
-            ending: Ending::Sum,
-        }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        Ok(reference::openness(plain.surface, &disks, plain.parameters, plain.view))
-    }
-}
+/// The effect `ao`.
+pub const OCCLUSION: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Ao,
+    attributes: SURFACE,
+    lit: None,
+    passes: Shading {
+        tree: Tree::All,
+        splat: Shader::at("methods/surfel/occlusion"),
+        add: Shader::at("methods/surfel/openness"),
+        channels: 1,
+        ending: Ending::Sum,
+    },
+    plain: |plain, disks| Ok(reference::openness(plain.surface, disks, plain.parameters, plain.view)),
+};

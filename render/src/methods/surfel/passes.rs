@@ -2,41 +2,28 @@
 
 use super::around::{Around, Ending};
 use super::{Parameters, shells};
-use crate::methods::blur::Blur;
-use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{Cloud, Lit, Tree, frame, light};
+use crate::methods::blur::{self, Blurred};
+use crate::methods::disks::DiskEffect;
+use crate::screen::{MethodStep, Resources, View};
+use crate::surfels::{Cloud, Tree, frame, light};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect};
 
-/// The shaders that make an effect of what all have in common.
+/// What the passes of an effect do.
 #[derive(Clone, Copy, Debug)]
-pub struct Shaders {
+pub struct Shading {
     /// Which surfels do something to pixels.
     pub tree: Tree,
     /// What surfels do to pixels.
-    pub splat: &'static Shader,
+    pub splat: Shader,
     /// What the sum of all levels means.
-    pub add: &'static Shader,
+    pub add: Shader,
     /// Of the sums.
     pub channels: usize,
-    /// What of the lights surfels send, where they are lit first.
-    pub lit: Option<Lit>,
     /// What the sums become.
-    pub ending: Ending<&'static Shader>,
-}
-
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    surfels: crate::surfels::Passes,
-    splat: Pass,
-    blur: Blur,
-    add: Pass,
-    channels: usize,
-    lit: Option<Lit>,
-    ending: Ending<Pass>,
+    pub ending: Ending,
 }
 
 /// Uniforms of a level of the framebuffer: splat, blur along rows and along columns, sum.
@@ -64,92 +51,63 @@ fn sum(parameters: &Parameters, effect: Effect, level: u32, view: &View) -> unif
     }
 }
 
-impl Passes {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device, shaders: &Shaders) -> Result<Self, GpuError> {
-        let channels = shaders.channels;
-        let with_channels = |shader: &Shader| {
-            Pass::new(device, shader.name, &shader.specialised(&[("CHANNELS", channels as u32)]))
-        };
-        Ok(Self {
-            surfels: crate::surfels::Passes::new(device, shaders.tree)?,
-            splat: with_channels(shaders.splat)?,
-            blur: Blur::new(device, channels)?,
-            add: with_channels(shaders.add)?,
-            channels,
-            lit: shaders.lit,
-            ending: shaders.ending.compiled(device)?,
-        })
+/// The passes bound to a scene and a g-buffer.
+///
+/// # Errors
+/// If there is no scene, or the device has no room for what lies between them.
+pub fn steps(effect: &DiskEffect<Parameters>, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+    let (device, world, lit) = (to.device, to.scene()?, effect.lit);
+    let Shading { tree, channels, ending, .. } = effect.passes;
+    let (of_surfels, levels) = to.uniforms.split_at(frame::UNIFORMS);
+    let (cloud, mut steps) = frame::steps(device, world, of_surfels, tree, lit)?;
+    let room = Room::new(to, channels)?;
+    let [.., size] = levels else { unreachable!("there is a level") };
+    let around = Around::new(ending, to, [size, &of_surfels[1]])?;
+    let Around { before, after, .. } = &around;
+    steps.extend_from_slice(before);
+    let splatting = Splatting { to, shading: effect.passes, cloud: &cloud, room: &room, around: &around };
+    for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
+        steps.extend(splatting.steps(level, uniforms)?);
     }
-
-    /// The passes bound to a scene and a g-buffer. They write `image`, `[channels, height, width]`.
-    ///
-    /// # Errors
-    /// If there is no scene, or the device has no room for what lies between them.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        image: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let (of_surfels, levels) = uniforms.split_at(frame::UNIFORMS);
-        let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, self.lit)?;
-        let room = Room::new(device, inputs, self.channels)?;
-        let [.., size] = levels else { unreachable!("there is a level") };
-        let around = Around::new(device, &self.ending, inputs, [size, &of_surfels[1]], image)?;
-        let Around { before, after, .. } = &around;
-        steps.extend_from_slice(before);
-        let splatting = Splatting { device, inputs, cloud: &cloud, room: &room, around: &around };
-        for (level, uniforms) in levels.chunks_exact(OF_LEVEL).enumerate() {
-            steps.extend(self.level_steps(splatting, level, uniforms)?);
-        }
-        steps.extend_from_slice(after);
-        steps.extend(light::ending(device, frame::scene(inputs.world)?, self.lit, image)?);
-        Ok(steps)
-    }
-
-    fn level_steps(
-        &self,
-        Splatting { device, inputs, cloud, room, around }: Splatting<'_>,
-        level: usize,
-        uniforms: &[wgpu::Buffer],
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let [splat, rows, columns, sum] = uniforms else { unreachable!("a level has four uniform buffers") };
-        let (gbuffer, Room { sums, half_blurred }) = (inputs.gbuffer, room);
-        let [position, normal, third] = &around.receivers;
-        let reads = [splat, position, normal, third, &cloud.totals, &cloud.surfels, &cloud.nodes];
-        // The sum is binding 7, and what only some effects read comes after it.
-        let more = cloud.sent.iter().chain(&around.more);
-        let reads = (0..).zip(reads).chain((8..).zip(more)).collect::<Vec<_>>();
-        let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
-        let mut steps = vec![MethodStep::bind_at(device, &self.splat, groups, &reads, &[(7, sums)])?];
-        steps.extend(self.blur.steps_between(
-            device,
-            gbuffer,
-            &around.mask,
-            [rows, columns],
-            half_blurred,
-            sums,
-        )?);
-        let whole = gpu::groups(gbuffer.height(), gbuffer.width(), TILE);
-        let valid = gbuffer.buffer(Attribute::Valid);
-        steps.push(MethodStep::bind(device, &self.add, whole, &[sum, valid, sums], &[&around.total])?);
-        Ok(steps)
-    }
+    steps.extend_from_slice(after);
+    steps.extend(light::ending(device, world, lit, to.output)?);
+    Ok(steps)
 }
 
 /// What the passes of every level are bound to.
 #[derive(Clone, Copy)]
 struct Splatting<'a> {
-    device: &'a wgpu::Device,
-    inputs: &'a Inputs<'a>,
+    to: &'a Resources<'a>,
+    shading: Shading,
     cloud: &'a Cloud,
     room: &'a Room,
     around: &'a Around,
+}
+
+impl Splatting<'_> {
+    /// The passes of a level.
+    fn steps(&self, level: usize, uniforms: &[wgpu::Buffer]) -> Result<Vec<MethodStep>, GpuError> {
+        let Self { to, shading: Shading { splat, add, channels, .. }, cloud, room, around } = *self;
+        let [of_splat, rows, columns, of_sum] = uniforms else {
+            unreachable!("a level has four uniform buffers")
+        };
+        let (device, gbuffer, Room { sums, half_blurred }) = (to.device, to.gbuffer, room);
+        let constants = [("CHANNELS", channels as u32)];
+        let [position, normal, third] = &around.receivers;
+        let reads = [of_splat, position, normal, third, &cloud.totals, &cloud.surfels, &cloud.nodes];
+        // The sum is binding 7, and what only some effects read comes after it.
+        let more = cloud.sent.iter().chain(&around.more);
+        let reads = (0..).zip(reads).chain((8..).zip(more)).collect::<Vec<_>>();
+        let groups = groups_of_level([gbuffer.width(), gbuffer.height()], level);
+        let splat = device.pass(splat, &constants)?;
+        let mut steps = vec![MethodStep::bind_at(device, &splat, groups, &reads, &[(7, sums)])?];
+        let blurred = Blurred { image: sums, channels, half_blurred, mask: &around.mask };
+        steps.extend(blur::steps(device, gbuffer, blurred, [rows, columns])?);
+        let valid = gbuffer.buffer(Attribute::Valid);
+        let add = device.pass(add, &constants)?;
+        steps.push(MethodStep::bind(device, &add, to.whole(), &[of_sum, valid, sums], &[&around.total])?);
+        Ok(steps)
+    }
 }
 
 /// Workgroups that cover the sub-buffers of a level: columns, rows, sub-buffers.
@@ -167,9 +125,9 @@ struct Room {
 }
 
 impl Room {
-    fn new(device: &wgpu::Device, inputs: &Inputs<'_>, channels: usize) -> Result<Self, GpuError> {
-        let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
-        let image = |label: &str| gpu::empty::<f32>(device, label, channels * height * width);
+    fn new(to: &Resources<'_>, channels: usize) -> Result<Self, GpuError> {
+        let [height, width] = to.size();
+        let image = |label: &str| gpu::empty::<f32>(to.device, label, channels * height * width);
         Ok(Self { sums: image("surfel.sums")?, half_blurred: image("surfel.half_blurred")? })
     }
 }

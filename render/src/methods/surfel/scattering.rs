@@ -25,14 +25,14 @@
 
 use super::around::Ending;
 use super::reference::{self, Receiver, Shade};
-use super::{Plain, Surfel, SurfelEffect, passes};
+use super::{Parameters, passes::Shading};
 use crate::methods::Surface;
+use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::surface::vector;
 use crate::path::sss::profile;
-use crate::screen::Compiled;
 use crate::surfels::reference::Disk;
 use crate::surfels::{Lit, Tree, patches};
-use deepshade_shaders::wgsl;
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 use glam::{IVec2, Vec3};
 use std::f32::consts::PI;
@@ -44,16 +44,10 @@ pub const SUPPORT: f32 = 19.9;
 const BELOW_PLANE: f32 = 0.02;
 const BELOW_HOLLOW: f32 = 3.0;
 
-/// The effect.
-#[derive(Clone, Copy, Debug)]
-pub struct Scattering;
-
-/// The method, compiled for a device.
-pub type SurfelScattering = Compiled<Surfel<Scattering>>;
-
-impl SurfelEffect for Scattering {
-    const EFFECT: Effect = Effect::Subsurface;
-    const ATTRIBUTES: &'static [Attribute] = &[
+/// The effect `subsurface`.
+pub const SCATTERING: DiskEffect<Parameters> = DiskEffect {
+    effect: Effect::Subsurface,
+    attributes: &[
         Attribute::Position,
         Attribute::Normal,
         Attribute::MeanFreePath,
@@ -61,54 +55,51 @@ impl SurfelEffect for Scattering {
         Attribute::ObjectId,
         Attribute::DiffuseLight,
         Attribute::Valid,
-    ];
+    ],
+    lit: Some(Lit::Received),
+    passes: Shading {
+        tree: Tree::All,
+        splat: Shader::at("methods/surfel/given"),
+        add: Shader::at("methods/surfel/indirect"),
+        channels: 12,
+        ending: Ending::Scattered,
+    },
+    plain,
+};
 
-    fn shaders() -> passes::Shaders {
-        passes::Shaders {
-            tree: Tree::All,
-            splat: &wgsl::SURFEL_GIVEN,
-            add: &wgsl::SURFEL_INDIRECT,
-            channels: 12,
-            lit: Some(Lit::Received),
-            ending: Ending::Scattered { bodies: &wgsl::SURFEL_BODIES, scatter: &wgsl::SURFEL_SCATTER },
+/// The image in plain Rust.
+fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+    let seen = |attribute| plain.gbuffer.select(&[attribute]);
+    let (lengths, colours) = (seen(Attribute::MeanFreePath)?, seen(Attribute::Diffuse)?);
+    let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);
+    let scales = |at| vector(&lengths, at).max(Vec3::ZERO) / shape(vector(&colours, at));
+
+    let patches = patches::of_scene(plain.scene.scene());
+    let gives = |disk: &Disk, _: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
+        let object = objects.at(0, pixel.y as usize, pixel.x as usize);
+        let is_own = object == patches[disk.patch as usize].object as f32;
+        match is_own && met_from_within(disk, way, normal) {
+            true => given(disk, way, normal, scales(pixel)),
+            false => [0.0; 12],
         }
-    }
-
-    fn plain(plain: &Plain<'_>, disks: Vec<Disk>) -> Result<Planes, MissingAttribute> {
-        let seen = |attribute| plain.gbuffer.select(&[attribute]);
-        let (lengths, colours) = (seen(Attribute::MeanFreePath)?, seen(Attribute::Diffuse)?);
-        let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);
-        let scales = |at| vector(&lengths, at).max(Vec3::ZERO) / shape(vector(&colours, at));
-
-        let patches = patches::of_scene(plain.scene.scene());
-        let gives = |disk: &Disk, _: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
-            let object = objects.at(0, pixel.y as usize, pixel.x as usize);
-            let is_own = object == patches[disk.patch as usize].object as f32;
-            match is_own && met_from_within(disk, way, normal) {
-                true => given(disk, way, normal, scales(pixel)),
-                false => [0.0; 12],
-            }
-        };
-        let reach = |at| SUPPORT * scales(at).max_element();
-        let shade = Shade { reach: &reach, of: &gives };
-        let mask = Planes::from_fn(1, plain.surface.height, plain.surface.width, |_, y, x| {
-            let enters =
-                plain.surface.valid.at(0, y, x) > 0.5 && scales(IVec2::new(x as i32, y as i32)) != Vec3::ZERO;
-            if enters { objects.at(0, y, x) + 1.0 } else { 0.0 }
-        });
-        let bodies = Surface { valid: mask, ..plain.surface.clone() };
-        let sums = reference::sums(&bodies, &disks, shade, plain.parameters, plain.view);
-        Ok(plain.surface.image(0.0, |at| {
-            let [x, y] = [at.x as usize, at.y as usize];
-            std::array::from_fn::<f32, 3, _>(|c| {
-                let side = |first: usize| Side {
-                    light: sums.at(first + c, y, x),
-                    share: sums.at(first + c + 3, y, x),
-                };
-                scattered(own.at(c, y, x), colours.at(c, y, x), side(0), side(6))
-            })
-        }))
-    }
+    };
+    let reach = |at| SUPPORT * scales(at).max_element();
+    let shade = Shade { reach: &reach, of: &gives };
+    let mask = Planes::from_fn(1, plain.surface.height, plain.surface.width, |_, y, x| {
+        let enters =
+            plain.surface.valid.at(0, y, x) > 0.5 && scales(IVec2::new(x as i32, y as i32)) != Vec3::ZERO;
+        if enters { objects.at(0, y, x) + 1.0 } else { 0.0 }
+    });
+    let bodies = Surface { valid: mask, ..plain.surface.clone() };
+    let sums = reference::sums(&bodies, disks, shade, plain.parameters, plain.view);
+    Ok(plain.surface.image(0.0, |at| {
+        let [x, y] = [at.x as usize, at.y as usize];
+        std::array::from_fn::<f32, 3, _>(|c| {
+            let side =
+                |first: usize| Side { light: sums.at(first + c, y, x), share: sums.at(first + c + 3, y, x) };
+            scattered(own.at(c, y, x), colours.at(c, y, x), side(0), side(6))
+        })
+    }))
 }
 
 /// The mean free path over the profile's length, below a surface of a colour that light enters evenly (Christensen and

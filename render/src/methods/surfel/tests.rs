@@ -4,11 +4,11 @@ mod directional;
 mod glossy;
 mod scattering;
 
-use super::indirect::SurfelIndirect;
-use super::occlusion::{Occlusion, SurfelOcclusion};
-use super::reference::{LIGHT, OCCLUSION, brute_force, form_factor, level_sums, openness};
-use super::{MOST_LEVELS, Parameters, Plain, SurfelEffect, shells};
+use super::indirect::INDIRECT;
+use super::reference::{self, LIGHT, brute_force, form_factor, level_sums, openness};
+use super::{MOST_LEVELS, Parameters, occlusion, shells};
 use crate::method::{Frame, Method, Repeats};
+use crate::methods::disks::{Disks, Plain};
 use crate::methods::proving::beyond::{
     corner, disk_mesh, prove_twin, scene_of, seen, shaded_by_surfels, sphere_mesh,
 };
@@ -16,7 +16,7 @@ use crate::methods::proving::{Tolerance, agree, camera, gbuffer_of, plane, prove
 use crate::methods::{Quality, Surface, blur};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Mesh, Scene};
-use crate::screen::View;
+use crate::screen::{ScreenMethod, View};
 use crate::surfels;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::Planes;
@@ -74,7 +74,7 @@ fn floor_under_disks() -> (Surface, Vec<Disk>) {
 fn levels_of(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
     let mut sum = Planes::filled(1, surface.height, surface.width, 0.0);
     for level in 0..parameters.levels {
-        let one = level_sums(surface, disks, OCCLUSION, &shells::level(parameters, level, view));
+        let one = level_sums(surface, disks, reference::OCCLUSION, &shells::level(parameters, level, view));
         sum.data_mut().iter_mut().zip(one.data()).for_each(|(sum, value)| *sum += value);
     }
     sum
@@ -85,14 +85,14 @@ fn without_a_threshold_levels_are_brute_force() {
     let (surface, disks) = floor_under_disks();
     let parameters = Parameters { threshold: 1e-9, ..SHARP };
     let sum = levels_of(&surface, &disks, &parameters, &view(24, 32, 3.0));
-    let right = brute_force(&surface, &disks, OCCLUSION, 3.0);
+    let right = brute_force(&surface, &disks, reference::OCCLUSION, 3.0);
     assert_eq!(agree(&sum, &right, Tolerance { usual: 1e-5, worst: 1e-4 }), Ok(()));
 }
 
 #[test]
 fn shells_are_brute_force_in_the_mean() {
     let (surface, disks) = floor_under_disks();
-    let right = brute_force(&surface, &disks, OCCLUSION, 3.0);
+    let right = brute_force(&surface, &disks, reference::OCCLUSION, 3.0);
     for threshold in [SHARP.threshold, 0.5] {
         let parameters = Parameters { threshold, ..SHARP };
         let seeds = 64;
@@ -174,21 +174,21 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
-    let mut method = SurfelOcclusion::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), occlusion::OCCLUSION));
     for (family, [height, width], levels, threshold) in [
         (Family::StillLife, [43, 61], 4, 0.06),
         (Family::Room, [64, 48], 1, 0.2),
         (Family::Shelves, [37, 83], 6, 0.1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::default() };
-        method = method.with(parameters.into());
+        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::of(Quality::High) };
+        method = method.with(Disks::new(parameters, occlusion::OCCLUSION));
         let seen = seen(family, height, width);
         let (image, disks) = shaded_by_surfels(&method, &seen);
         assert!(disks.len() > 500, "{} surfels", disks.len());
         let (scene, view, gbuffer) = &seen;
         let surface = &Surface::of(gbuffer).expect("a surface");
         let plain = Plain { gbuffer, surface, scene, environment: None, parameters: &parameters, view };
-        let right = Occlusion::plain(&plain, disks).expect("attributes");
+        let right = (occlusion::OCCLUSION.plain)(&plain, &disks).expect("attributes");
         assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
     }
@@ -200,11 +200,11 @@ fn an_effect_that_reaches_nowhere_does_nothing() {
     let (scene, view, gbuffer) = corner();
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, ..Parameters::default() };
-    let occlusion = SurfelOcclusion::new(&gpu, parameters.into()).expect("valid shaders");
-    let image = Method::shade(&occlusion, &frame, Repeats::ONCE).expect("an image").image;
+    let parameters = Parameters { surfels: coarse, ..Parameters::of(Quality::High) };
+    let open = ScreenMethod::new(&gpu, Disks::new(parameters, occlusion::OCCLUSION));
+    let image = Method::shade(&open, &frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| *open == 1.0));
-    let indirect = SurfelIndirect::new(&gpu, parameters.into()).expect("valid shaders");
+    let indirect = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     let image = Method::shade(&indirect, &frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|light| *light == 0.0));
 }
@@ -258,8 +258,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
-    let method = SurfelIndirect::new(&gpu, parameters.into()).expect("valid shaders");
+    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::of(Quality::High) };
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
 }

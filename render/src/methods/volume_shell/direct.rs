@@ -9,45 +9,26 @@ use super::map::{self, IntervalMap};
 use super::reference::Rays;
 use crate::bvh::TracedScene;
 use crate::methods::single_scattering::{self, LitMedium};
-use crate::raster::World;
 use crate::raster::light::shadow_sampler;
-use crate::raster::view::perspective;
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Step, Technique, View, Written};
-use crate::surfels::frame;
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 
 /// What can be set: of the parameters only how rays are divided matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direct(Parameters);
-
-/// The method, compiled for a device.
-pub type VolumeShellDirect = Compiled<Direct>;
-
-impl From<Parameters> for Direct {
-    fn from(parameters: Parameters) -> Self {
-        Self(parameters)
-    }
-}
+pub struct Direct(pub Parameters);
 
 impl Technique for Direct {
-    const NAME: &'static str = "volume-shell";
-    const EFFECT: Effect = Effect::FogDirect;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Valid];
-    const LOOKS_BEYOND: bool = true;
-    /// Both depend on the scene.
-    type Passes = ();
-
-    fn compile(_device: &wgpu::Device) -> Result<(), GpuError> {
-        Ok(())
+    fn about(&self) -> About {
+        About::beyond_screen("volume-shell", Effect::FogDirect, &[Attribute::Position, Attribute::Valid])
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = perspective(&view.camera, view.height, view.width, f32::MIN_POSITIVE);
+        let camera = view.perspective();
         vec![
             bytes_of(&self.0.marching(view)).to_vec(),
             bytes_of(&camera).to_vec(),
@@ -55,42 +36,26 @@ impl Technique for Direct {
         ]
     }
 
-    fn steps(
-        &self,
-        _passes: &(),
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let [march, view, volume] = uniforms else { unreachable!("march, view and scattering") };
-        let world = frame::scene(inputs.world)?;
-        let read = map::Uniforms { march, view };
-        let (map, march) = IntervalMap::step(device, &self.0, inputs.gbuffer, world, read)?;
-        let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
-        let workgroups = gpu::groups(height, width, TILE).into();
-        let pass = scatter_pass(device, &self.0, world)?;
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        let [march, view, volume] = to.uniforms else { unreachable!("march, view and scattering") };
+        let (device, world, output) = (to.device, to.scene()?, to.output);
+        let (map, march) = IntervalMap::step(&self.0, to, map::Uniforms { march, view })?;
+        let [lights, medium] = single_scattering::constants(world);
+        let constants = [("SAMPLES", self.0.samples), lights, medium];
+        let pass = device.pass(Shader::at("methods/volume-shell/direct"), &constants)?;
         let sampler = shadow_sampler(device);
         let own = [(0, volume), (1, view), (7, &map.rays), (8, &map.samples), (9, output)];
         let own = own.map(|(binding, buffer)| (binding, buffer.as_entire_binding()));
         let resources =
             own.into_iter().chain(single_scattering::bindings(world, &world.gpu_lights.records, &sampler));
         let pass = pass.bind_at(device, resources)?;
-        let scatter = MethodStep { step: Step { pass, workgroups }, writes: vec![output.clone()] };
-        Ok(vec![march, scatter])
+        let step = Step { pass, workgroups: to.whole().into() };
+        Ok(vec![march, MethodStep { step, writes: vec![output.clone()] }])
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| Ok(shade(inputs.gbuffer, scene, &self.0, view)?.data().to_vec());
-        inputs.scene.map(shaded).into_iter().collect()
+        inputs.image_of_scene(|scene| shade(inputs.gbuffer, scene, &self.0, view))
     }
-}
-
-fn scatter_pass(device: &wgpu::Device, parameters: &Parameters, world: &World) -> Result<Pass, GpuError> {
-    let shader = &wgsl::VOLUME_SHELL_DIRECT;
-    let [lights, medium] = single_scattering::constants(world);
-    let constants = [("SAMPLES", parameters.samples), lights, medium];
-    Pass::new(device, shader.name, &shader.specialised(&constants))
 }
 
 /// The image in plain Rust, with exact shadows, `[3, height, width]`; black without a medium.

@@ -2,12 +2,11 @@
 
 use super::Parameters;
 use super::improvements::Improvement;
-use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{GpuGBuffer, MethodStep, Step};
+use crate::screen::{MethodStep, Resources, Step};
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::Shader;
 
 /// That of a frame.
 #[derive(Clone, Debug)]
@@ -21,9 +20,9 @@ pub struct IntervalMap {
 /// What the march reads beside the g-buffer.
 #[derive(Clone, Copy, Debug)]
 pub struct Uniforms<'a> {
-    /// [`Intervals`](wgsl::uniforms::Intervals).
+    /// [`Intervals`](deepshade_shaders::wgsl::uniforms::Intervals).
     pub march: &'a wgpu::Buffer,
-    /// [`FrameView`](wgsl::uniforms::FrameView) of the camera.
+    /// [`FrameView`](deepshade_shaders::wgsl::uniforms::FrameView) of the camera.
     pub view: &'a wgpu::Buffer,
 }
 
@@ -31,26 +30,25 @@ impl IntervalMap {
     /// The map and the pass that makes it.
     ///
     /// # Errors
-    /// If the device has no room, or refuses the pass.
+    /// If there is no scene, or the device has no room or refuses the pass.
     pub fn step(
-        device: &wgpu::Device,
         parameters: &Parameters,
-        gbuffer: &GpuGBuffer,
-        world: &World,
+        to: &Resources<'_>,
         uniforms: Uniforms<'_>,
     ) -> Result<(Self, MethodStep), GpuError> {
+        let (device, world) = (to.device, to.scene()?);
         let shader = match parameters.improvements.has(Improvement::WideEncoding) {
-            true => &wgsl::VOLUME_SHELL_INTERVALS,
-            false => &wgsl::VOLUME_SHELL_PAPER_INTERVALS,
+            true => Shader::at("methods/volume-shell/intervals"),
+            false => Shader::at("methods/volume-shell/paper_intervals"),
         };
-        let source = shader.specialised(&[("SAMPLES", parameters.samples), ("MEDIUM", world.medium.kind)]);
-        let pass = Pass::new(device, shader.name, &source)?;
-        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let constants = [("SAMPLES", parameters.samples), ("MEDIUM", world.medium.kind)];
+        let pass = device.pass(shader, &constants)?;
+        let [height, width] = to.size();
         let rays = gpu::empty::<[f32; 4]>(device, "volume-shell.rays", height * width)?;
         let count = parameters.samples as usize * height * width;
         let samples = gpu::empty::<u16>(device, "volume-shell.samples", count)?;
         let MediumOnGpu { record, densities, .. } = &world.medium;
-        let [valid, position] = [Attribute::Valid, Attribute::Position].map(|a| gbuffer.buffer(a));
+        let [valid, position] = to.seen([Attribute::Valid, Attribute::Position]);
         let bound = pass.bind(
             device,
             &[
@@ -64,7 +62,7 @@ impl IntervalMap {
                 samples.as_entire_binding(),
             ],
         )?;
-        let step = Step { pass: bound, workgroups: gpu::groups(height, width, TILE).into() };
+        let step = Step { pass: bound, workgroups: to.whole().into() };
         let writes = vec![rays.clone(), samples.clone()];
         Ok((Self { rays, samples }, MethodStep { step, writes }))
     }

@@ -28,13 +28,12 @@ pub use improvements::{Improvement, Improvements};
 
 use super::Quality;
 use super::surfel::{self, shells};
-use crate::screen::{Compiled, Inputs, MethodStep, PlainInputs, Technique, View, Written};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use crate::surfels;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use intervals::Division;
-use passes::Passes;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -63,15 +62,6 @@ pub struct Parameters {
     #[schemars(skip)]
     pub improvements: Improvements,
 }
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self::of(Quality::default())
-    }
-}
-
-/// The method, compiled for a device.
-pub type VolumeShell = Compiled<Parameters>;
 
 impl Parameters {
     /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a relative mean squared
@@ -107,7 +97,7 @@ impl Parameters {
             surfels: self.surfels,
             threshold: self.threshold,
             levels: self.levels,
-            ..surfel::Parameters::default()
+            ..surfel::Parameters::of(Quality::High)
         }
     }
 
@@ -142,33 +132,19 @@ fn far_reaching(view: &View) -> View {
 }
 
 impl Technique for Parameters {
-    const NAME: &'static str = "volume-shell";
-    const EFFECT: Effect = Effect::FogIndirect;
-    const ATTRIBUTES: &'static [Attribute] = &[Attribute::Position, Attribute::Valid];
-    const LOOKS_BEYOND: bool = true;
-    type Passes = Passes;
-
-    fn compile(device: &wgpu::Device) -> Result<Passes, GpuError> {
-        Passes::new(device)
+    fn about(&self) -> About {
+        About::beyond_screen("volume-shell", Effect::FogIndirect, &[Attribute::Position, Attribute::Valid])
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         passes::uniforms(self, view)
     }
 
-    fn steps(
-        &self,
-        passes: &Passes,
-        device: &wgpu::Device,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        output: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        passes.steps(device, self, inputs, uniforms, output)
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::steps(self, to)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let shaded = |scene| Ok(reference::shade(inputs.gbuffer, scene, self, view)?.data().to_vec());
-        inputs.scene.map(shaded).into_iter().collect()
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, self, view))
     }
 }

@@ -3,28 +3,20 @@
 
 use super::improvements::Improvement;
 use super::map::{self, IntervalMap};
-use super::pyramid::{Pyramid, Room};
+use super::pyramid::{self, Room};
 use super::{Parameters, far_reaching};
 use crate::methods::surfel::passes::groups_of_level;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{Inputs, MethodStep, Step, View, Workgroups};
-use crate::surfels::{self, Cloud, Lit, Tree, frame};
+use crate::screen::{Device, MethodStep, Resources, Step, View, Workgroups};
+use crate::surfels::{Cloud, Lit, Tree, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, TILE, uniforms};
+use deepshade_shaders::wgsl::{Shader, uniforms};
 
 /// Runs of a splat, each over a part of the tree's leaves: lavapipe ends the loops of an invocation after 65,535 turns in all, and what
 /// all of them do to a pixel may take more.
 const PARTS: u32 = 16;
-
-/// The compiled passes; those that depend on parameters are compiled where they are bound.
-#[derive(Clone, Debug)]
-pub struct Passes {
-    surfels: surfels::Passes,
-    pyramid: Pyramid,
-    add: Pass,
-}
 
 /// The contents of the passes' uniform buffers: surfels and their tree, march, splats, then of each level splat and sum.
 pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
@@ -44,74 +36,51 @@ pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
     all
 }
 
-impl Passes {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let add = &wgsl::VOLUME_SHELL_ADD;
-        Ok(Self {
-            surfels: surfels::Passes::new(device, Tree::Lit)?,
-            pyramid: Pyramid::new(device)?,
-            add: Pass::new(device, add.name, &add.source())?,
-        })
-    }
-
-    /// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`.
-    ///
-    /// # Errors
-    /// If there is no scene, or the device has no room for what lies between them.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        parameters: &Parameters,
-        inputs: &Inputs<'_>,
-        uniforms: &[wgpu::Buffer],
-        image: &wgpu::Buffer,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let world = frame::scene(inputs.world)?;
-        let (of_surfels, [march, volume, levels @ ..]) = uniforms.split_at(frame::UNIFORMS) else {
-            unreachable!("march and splats have a uniform buffer each")
-        };
-        let lit = Some(Lit::Dimmed { is_grey: parameters.is_grey() });
-        let (cloud, mut steps) = frame::steps(&self.surfels, device, inputs.world, of_surfels, lit)?;
-        let view = &of_surfels[1];
-        let read = map::Uniforms { march, view };
-        let (map, step) = IntervalMap::step(device, parameters, inputs.gbuffer, world, read)?;
-        steps.push(step);
-        let (height, width) = (inputs.gbuffer.height(), inputs.gbuffer.width());
-        let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
-        let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
-        let pass = splat_pass(device, parameters, world.medium.kind)?;
-        let part = |index| gpu::uniform(device, "volume-shell.part", &uniforms::SplatPart { index });
-        let parts = (0..PARTS).map(part).collect::<Result<Vec<_>, _>>()?;
-        let splatting = Splatting { pass, world, volume, view, cloud: &cloud, map: &map, sums: &sums };
-        for (level, uniforms) in levels.chunks_exact(2).enumerate() {
-            let [splat, sum] = uniforms else { unreachable!("a level has two uniform buffers") };
-            let workgroups = groups_of_level([width, height], level);
-            for part in &parts {
-                steps.push(splatting.step(device, [splat, part], workgroups.into())?);
-            }
-            let smooth = if level == 0 { &sums } else { &room.smooth };
-            if level > 0 {
-                steps.extend(self.pyramid.steps(device, &sums, &room, level)?);
-            }
-            let whole = gpu::groups(height, width, TILE);
-            steps.push(MethodStep::bind(device, &self.add, whole, &[sum, &sums, smooth], &[image])?);
+/// The passes bound to a scene and a g-buffer.
+///
+/// # Errors
+/// If there is no scene, or the device has no room for what lies between them.
+pub fn steps(parameters: &Parameters, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+    let (device, world) = (to.device, to.scene()?);
+    let (of_surfels, [march, volume, levels @ ..]) = to.uniforms.split_at(frame::UNIFORMS) else {
+        unreachable!("march and splats have a uniform buffer each")
+    };
+    let lit = Some(Lit::Dimmed { is_grey: parameters.is_grey() });
+    let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::Lit, lit)?;
+    let view = &of_surfels[1];
+    let (map, step) = IntervalMap::step(parameters, to, map::Uniforms { march, view })?;
+    steps.push(step);
+    let [height, width] = to.size();
+    let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
+    let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
+    let pass = splat_pass(device, parameters, world.medium.kind)?;
+    let add = device.pass(Shader::at("methods/volume-shell/add"), &[])?;
+    let part = |index| gpu::uniform(device, "volume-shell.part", &uniforms::SplatPart { index });
+    let parts = (0..PARTS).map(part).collect::<Result<Vec<_>, _>>()?;
+    let splatting = Splatting { pass, world, volume, view, cloud: &cloud, map: &map, sums: &sums };
+    for (level, uniforms) in levels.chunks_exact(2).enumerate() {
+        let [splat, sum] = uniforms else { unreachable!("a level has two uniform buffers") };
+        let workgroups = groups_of_level([width, height], level);
+        for part in &parts {
+            steps.push(splatting.step(device, [splat, part], workgroups.into())?);
         }
-        Ok(steps)
+        let smooth = if level == 0 { &sums } else { &room.smooth };
+        if level > 0 {
+            steps.extend(pyramid::steps(device, &sums, &room, level)?);
+        }
+        steps.push(MethodStep::bind(device, &add, to.whole(), &[sum, &sums, smooth], &[to.output])?);
     }
+    Ok(steps)
 }
 
 /// The pass that splats a level, for a kind of medium.
-fn splat_pass(device: &wgpu::Device, parameters: &Parameters, medium: u32) -> Result<Pass, GpuError> {
+fn splat_pass(device: &Device, parameters: &Parameters, medium: u32) -> Result<Pass, GpuError> {
     let improvements = parameters.improvements;
     let shader = match improvements.has(Improvement::WideEncoding) {
-        true => &wgsl::VOLUME_SHELL_SPLAT,
-        false => &wgsl::VOLUME_SHELL_PAPER_SPLAT,
+        true => Shader::at("methods/volume-shell/splat"),
+        false => Shader::at("methods/volume-shell/paper_splat"),
     };
-    let source = shader.specialised(&[
+    let constants = [
         ("SAMPLES", parameters.samples),
         ("MEDIUM", medium),
         ("PARTS", PARTS),
@@ -120,8 +89,8 @@ fn splat_pass(device: &wgpu::Device, parameters: &Parameters, medium: u32) -> Re
         ("ATTENUATED", improvements.flag(Improvement::Attenuation)),
         ("TOUCHED_ONLY", improvements.flag(Improvement::TouchedOnly)),
         ("SILHOUETTES", improvements.flag(Improvement::Silhouettes)),
-    ]);
-    Pass::new(device, shader.name, &source)
+    ];
+    device.pass(shader, &constants)
 }
 
 /// What the splats of all levels are bound to.

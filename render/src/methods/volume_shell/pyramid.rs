@@ -1,9 +1,9 @@
 //! The blur of a level by a Gaussian pyramid (Burt and Adelson 1983, "The Laplacian Pyramid as a Compact Image Code"): on level
 //! l of the framebuffer l halvings, and as many steps back.
 
-use crate::screen::MethodStep;
-use deepshade_shaders::gpu::{self, GpuError, Pass};
-use deepshade_shaders::wgsl::{self, Shader, TILE, uniforms};
+use crate::screen::{Device, MethodStep};
+use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use glam::Vec4;
 
 /// An image of four channels.
@@ -69,13 +69,6 @@ fn sizes(size: [usize; 2], halvings: usize) -> Vec<[usize; 2]> {
     std::iter::successors(Some(size), |size| Some(halved(*size))).take(halvings + 1).collect()
 }
 
-/// The compiled passes.
-#[derive(Clone, Debug)]
-pub struct Pyramid {
-    reduce: Pass,
-    expand: Pass,
-}
-
 /// Room for the levels of an image, `[height, width, 4]` f32 each, and for what comes back.
 #[derive(Clone, Debug)]
 pub struct Room {
@@ -99,61 +92,41 @@ impl Room {
     }
 }
 
-impl Pyramid {
-    /// Compiles them.
-    ///
-    /// # Errors
-    /// If the device refuses them.
-    pub fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
-        let pass = |shader: &Shader| Pass::new(device, shader.name, &shader.source());
-        Ok(Self { reduce: pass(&wgsl::VOLUME_SHELL_REDUCE)?, expand: pass(&wgsl::VOLUME_SHELL_EXPAND)? })
+/// The passes that blur an image by so many halvings, at least one, into the room's `smooth`.
+///
+/// # Errors
+/// If the device refuses a pass or a binding.
+pub fn steps(
+    device: &Device,
+    image: &wgpu::Buffer,
+    room: &Room,
+    halvings: usize,
+) -> Result<Vec<MethodStep>, GpuError> {
+    let sizes = sizes(room.size, halvings);
+    let uniforms = sizes.windows(2).map(|two| {
+        let [[fine_width, fine_height], [coarse_width, coarse_height]] =
+            [two[0], two[1]].map(|size| size.map(|length| length as u32));
+        let sizes = uniforms::Pyramid { fine_width, fine_height, coarse_width, coarse_height };
+        gpu::uniform(device, "volume-shell.sizes", &sizes)
+    });
+    let uniforms = uniforms.collect::<Result<Vec<_>, _>>()?;
+    let over = |[width, height]: [usize; 2]| gpu::groups(height, width, TILE);
+    let reduce = device.pass(Shader::at("methods/volume-shell/reduce"), &[])?;
+    let expand = device.pass(Shader::at("methods/volume-shell/expand"), &[])?;
+    let mut steps = Vec::new();
+    for (level, uniform) in uniforms.iter().enumerate() {
+        let from = if level == 0 { image } else { &room.levels[level - 1] };
+        let groups = over(sizes[level + 1]);
+        let reads = [uniform, from];
+        steps.push(MethodStep::bind(device, &reduce, groups, &reads, &[&room.levels[level]])?);
     }
-
-    /// The passes that blur an image by so many halvings, at least one, into the room's `smooth`.
-    ///
-    /// # Errors
-    /// If the device refuses a binding.
-    pub fn steps(
-        &self,
-        device: &wgpu::Device,
-        image: &wgpu::Buffer,
-        room: &Room,
-        halvings: usize,
-    ) -> Result<Vec<MethodStep>, GpuError> {
-        let sizes = sizes(room.size, halvings);
-        let uniforms = sizes.windows(2).map(|two| {
-            let [[fine_width, fine_height], [coarse_width, coarse_height]] =
-                [two[0], two[1]].map(|size| size.map(|length| length as u32));
-            let sizes = uniforms::Pyramid { fine_width, fine_height, coarse_width, coarse_height };
-            gpu::uniform(device, "volume-shell.sizes", &sizes)
-        });
-        let uniforms = uniforms.collect::<Result<Vec<_>, _>>()?;
-        let over = |[width, height]: [usize; 2]| gpu::groups(height, width, TILE);
-        let mut steps = Vec::new();
-        for (level, uniform) in uniforms.iter().enumerate() {
-            let from = if level == 0 { image } else { &room.levels[level - 1] };
-            let groups = over(sizes[level + 1]);
-            steps.push(MethodStep::bind(
-                device,
-                &self.reduce,
-                groups,
-                &[uniform, from],
-                &[&room.levels[level]],
-            )?);
-        }
-        for (level, uniform) in uniforms.iter().enumerate().rev() {
-            let to = if level == 0 { &room.smooth } else { &room.levels[level - 1] };
-            let groups = over(sizes[level]);
-            steps.push(MethodStep::bind(
-                device,
-                &self.expand,
-                groups,
-                &[uniform, &room.levels[level]],
-                &[to],
-            )?);
-        }
-        Ok(steps)
+    for (level, uniform) in uniforms.iter().enumerate().rev() {
+        let to = if level == 0 { &room.smooth } else { &room.levels[level - 1] };
+        let groups = over(sizes[level]);
+        let reads = [uniform, &room.levels[level]];
+        steps.push(MethodStep::bind(device, &expand, groups, &reads, &[to])?);
     }
+    Ok(steps)
 }
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ fn coarse() -> Parameters {
         surfels: surfels::Parameters { scale: 0.1, near: 0.25 },
         levels: 3,
         steps: 64,
-        ..Parameters::default()
+        ..Parameters::of(Quality::High)
     }
 }
 
@@ -74,13 +74,13 @@ fn without(improvement: Improvement) -> Parameters {
     Parameters { improvements: Improvements::ALL.without(improvement), ..coarse() }
 }
 
-fn shaded(method: &impl ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
+fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
 
 fn image(gpu: &Gpu, parameters: Parameters, seen: &Seen) -> Planes {
-    shaded(&VolumeShell::new(gpu, parameters).expect("valid shaders"), seen)
+    shaded(&ScreenMethod::new(gpu, parameters), seen)
 }
 
 fn mean(image: &Planes) -> f32 {

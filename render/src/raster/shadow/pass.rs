@@ -7,7 +7,7 @@ use crate::raster::surface::{cleared_depth, set_buffers};
 use crate::raster::texture::Textures;
 use crate::scene::{AlphaMode, Material};
 use deepshade_shaders::gpu::{self, DEPTH_FORMAT, GpuError, RasterPass};
-use deepshade_shaders::wgsl::frame::{DEPTH, DEPTH_MASKED};
+use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::FrameView;
 
 /// The passes that draw the maps, and the maps.
@@ -43,9 +43,8 @@ impl ShadowPass {
         textures: &Textures,
     ) -> Result<Self, GpuError> {
         let layouts = Geometry::LAYOUTS;
-        let opaque = RasterPass::new(device, DEPTH.name, &DEPTH.source(), &layouts, None, &[])?;
-        let masked =
-            RasterPass::new(device, DEPTH_MASKED.name, &DEPTH_MASKED.source(), &layouts, Some("holes"), &[])?;
+        let opaque = RasterPass::new(device, Shader::at("frame/depth"), &layouts, None, &[])?;
+        let masked = RasterPass::new(device, Shader::at("frame/depth_masked"), &layouts, Some("holes"), &[])?;
         let holes = materials.iter().map(|material| {
             let has_holes = material.alpha != AlphaMode::Opaque;
             has_holes.then(|| material::bind(device, &masked, material, textures, true)).transpose()

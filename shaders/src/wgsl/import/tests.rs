@@ -2,12 +2,9 @@
 
 use super::*;
 use crate::wgsl::place::place;
-use crate::wgsl::uniforms::Slices;
-
-static LAYOUTS: &[&[Layout]] = &[&[Slices::LAYOUT]];
 
 fn joined(files: &'static [(&'static str, &'static str)], roots: &[&'static str]) -> Result<Product, String> {
-    Product::joined(&Library { files, layouts: LAYOUTS }, roots)
+    Product::joined(Library(files), roots)
 }
 
 fn error(files: &'static [(&'static str, &'static str)]) -> String {
@@ -17,11 +14,11 @@ fn error(files: &'static [(&'static str, &'static str)]) -> String {
 const FILES: &[(&str, &str)] = &[
     (
         "a",
-        "// A pass.\n//\n// Of two lines.\n\n#import b\n#import c\n#uniform Slices\n#constant SIZE = 3\n\n\
+        "// A pass.\n//\n// Of two lines.\n\n#import b\n#import c\n#constant SIZE = 3\n\n\
          fn a() {}\n\nfn aa() {}\n",
     ),
     ("b", "#import c\n#constant SIZE = 3\n#constant TURNS = 1\n\nfn b() {}"),
-    ("c", "// Of a function.\n#uniform Slices\nfn c() {}\n"),
+    ("c", "// Of a function.\n#constant SIZE = 3\nfn c() {}\n"),
     ("d", "// Nothing of its own.\n#import c\n"),
 ];
 
@@ -42,16 +39,14 @@ fn b() {}
 //
 // Of two lines.
 
-//# a.wgsl:10
+//# a.wgsl:9
 fn a() {}
 
 fn aa() {}
 ";
     assert_eq!(product.text, expected);
     let constants: Vec<_> = product.constants.iter().map(|c| (c.name, c.default, c.place.file)).collect();
-    assert_eq!(constants, [("SIZE", 3, "b"), ("TURNS", 1, "b")]);
-    assert_eq!(product.uniforms.iter().map(|layout| layout.name).collect::<Vec<_>>(), ["Slices"]);
-    assert_eq!(product.declarations(), Slices::LAYOUT.declaration());
+    assert_eq!(constants, [("SIZE", 3, "c"), ("TURNS", 1, "b")]);
 }
 
 #[test]
@@ -79,7 +74,6 @@ fn what_is_not_there_is_said_with_its_place() {
     assert_eq!(error(&[]), "no file `a`");
     assert_eq!(error(&[("a", "// A.\n#import shared/b\n")]), "shaders/wgsl/a.wgsl:2: no file `shared/b`");
     assert_eq!(error(&[("a", "#import b\n"), ("b", "\n#import c\n")]), "shaders/wgsl/b.wgsl:2: no file `c`");
-    assert_eq!(error(&[("a", "#uniform Slice\n")]), "shaders/wgsl/a.wgsl:1: no uniform struct `Slice`");
 }
 
 #[test]
@@ -99,7 +93,8 @@ fn a_constant_is_the_same_wherever_it_is_stated() {
 
 #[test]
 fn what_looks_like_a_directive_has_to_be_one() {
-    for line in ["#improt b", "#import", "#import b c", "#uniform", "#constant N", "#constant N = -1", " # x"]
+    for line in
+        ["#improt b", "#import", "#import b c", "#template x", "#constant N", "#constant N = -1", " # x"]
     {
         let text: &'static str = format!("// A.\n\n{line}\n").leak();
         let said = error(Vec::from([("a", text), ("b", "")]).leak());

@@ -9,10 +9,21 @@
 #import shared/surfel_patch_record
 #import shared/surfel_tree
 #import shared/surfel_walk
-#uniform FacetSlice
-#uniform FacetSum
+#import uniforms/facet_slice
 #constant HEIGHT = 10
 #constant SLICE = 4
+
+/// What `methods/aov/occlusion` reads.
+struct FacetSum {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// How far the effect reaches, metres.
+    reach: f32,
+    /// What is where no surface is seen.
+    background: f32,
+}
 
 @group(0) @binding(0) var<uniform> image_size: FacetSum;
 @group(0) @binding(4) var<uniform> slice: FacetSlice;

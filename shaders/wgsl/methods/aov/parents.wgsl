@@ -1,4 +1,4 @@
 // The nodes above the lowest ones of the tree over facets.
 
-#import surfels/parents
+#import shared/tree_parents
 #constant HEIGHT = 10

@@ -13,10 +13,23 @@
 #import shared/surfel_patch_record
 #import shared/surfel_tree
 #import shared/surfel_walk
-#uniform FacetRays
-#uniform FacetSlice
+#import uniforms/facet_slice
 #constant HEIGHT = 10
 #constant SLICE = 4
+
+/// What `methods/aov/trace` reads.
+struct FacetRays {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Directions of a pixel.
+    directions: u32,
+    /// Chooses directions.
+    seed: u32,
+    /// How far the effect reaches, metres.
+    reach: f32,
+}
 
 @group(0) @binding(0) var<uniform> rays: FacetRays;
 @group(0) @binding(4) var<uniform> slice: FacetSlice;

@@ -4,8 +4,27 @@
 #import shared/bounded
 #import shared/surface
 #import shared/surface_valid
-#uniform Blur
 #constant CHANNELS = 1
+
+/// What `methods/blur/smooth` reads.
+struct Blur {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// 1 to blur along rows, else 0.
+    step_x: i32,
+    /// 1 to blur along columns, else 0.
+    step_y: i32,
+    /// Pixels on either side that are blurred together.
+    radius: i32,
+    /// The Gaussian's exponent of a distance of one pixel.
+    falloff: f32,
+    /// Factor, one over metres, of a distance from the tangent plane before it is squared into the exponent.
+    sharpness: f32,
+    /// Value where no surface is seen.
+    background: f32,
+}
 
 @group(0) @binding(0) var<uniform> blur: Blur;
 // [CHANNELS, height, width]

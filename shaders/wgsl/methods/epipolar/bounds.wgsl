@@ -1,10 +1,10 @@
 // Between which values of `gamma` view rays are in the medium. None is negative, so that their bits are in order.
 
 #import shared/epipolar_view
-#uniform Epipolar
-#uniform FrameView
-#uniform LightRecord
-#uniform MediumRecord
+#import uniforms/epipolar
+#import uniforms/frame_view
+#import uniforms/light_record
+#import uniforms/medium_record
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -8,9 +8,9 @@
 #import shared/light_dimmed
 #import shared/lights
 #import shared/phase
-#uniform Epipolar
-#uniform FrameView
-#uniform LightRecord
+#import uniforms/epipolar
+#import uniforms/frame_view
+#import uniforms/light_record
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -3,9 +3,9 @@
 
 #import shared/epipolar_lines
 #import shared/lamp_axis
-#uniform Epipolar
-#uniform FrameView
-#uniform LightRecord
+#import uniforms/epipolar
+#import uniforms/frame_view
+#import uniforms/light_record
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;

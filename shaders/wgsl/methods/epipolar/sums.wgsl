@@ -6,7 +6,7 @@
 // What is summed is 1, the place and its square, with which a node gives the sum of a quadratic function. Places are odd numbers
 // of half light rays from the beginning of 64, so that sums are whole numbers of 13 and 19 bits.
 
-#uniform Epipolar
+#import uniforms/epipolar
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 // [lines, light rays]

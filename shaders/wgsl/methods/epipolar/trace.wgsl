@@ -6,9 +6,9 @@
 #import shared/lamp_axis
 #import shared/shadow
 #import shared/view
-#uniform Epipolar
-#uniform FrameView
-#uniform LightRecord
+#import uniforms/epipolar
+#import uniforms/frame_view
+#import uniforms/light_record
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -5,9 +5,9 @@
 #import shared/froxels
 #import shared/surface_distance
 #import shared/view
-#uniform FrameView
-#uniform Froxels
-#uniform MediumRecord
+#import uniforms/frame_view
+#import uniforms/froxels
+#import uniforms/medium_record
 
 @group(0) @binding(0) var<uniform> froxels: Froxels;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -5,8 +5,8 @@
 #import shared/bounded
 #import shared/froxel_index
 #import shared/mean_decay
-#uniform Froxels
-#uniform MediumRecord
+#import uniforms/froxels
+#import uniforms/medium_record
 
 @group(0) @binding(0) var<uniform> froxels: Froxels;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;

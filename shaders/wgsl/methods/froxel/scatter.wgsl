@@ -7,9 +7,9 @@
 #import shared/medium
 #import shared/single_scattering
 #import shared/view
-#uniform FrameView
-#uniform Froxels
-#uniform LightRecord
+#import uniforms/frame_view
+#import uniforms/froxels
+#import uniforms/light_record
 #constant LIGHTS = 1
 
 @group(0) @binding(0) var<uniform> froxels: Froxels;

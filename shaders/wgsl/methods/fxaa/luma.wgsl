@@ -2,7 +2,7 @@
 // as seen brightness does. The plain version is render/src/methods/fxaa/reference.rs.
 
 #import shared/picture
-#uniform Fxaa
+#import uniforms/fxaa
 
 @group(0) @binding(0) var<uniform> fxaa: Fxaa;
 @group(0) @binding(3) var<storage, read_write> luma: array<f32>;

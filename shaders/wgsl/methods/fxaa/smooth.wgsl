@@ -4,7 +4,7 @@
 
 #import shared/bounded
 #import shared/picture
-#uniform Fxaa
+#import uniforms/fxaa
 
 @group(0) @binding(0) var<uniform> fxaa: Fxaa;
 @group(0) @binding(3) var<storage, read> luma: array<f32>;

@@ -3,7 +3,7 @@
 
 #import shared/picture
 #import shared/translucent
-#uniform Gather
+#import uniforms/gather
 
 @group(0) @binding(0) var<uniform> settings: Gather;
 @group(0) @binding(5) var<storage, read_write> areas: array<f32>;

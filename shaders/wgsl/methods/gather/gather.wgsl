@@ -5,7 +5,7 @@
 #import shared/picture
 #import shared/random
 #import shared/translucent
-#uniform Gather
+#import uniforms/gather
 
 @group(0) @binding(0) var<uniform> settings: Gather;
 @group(0) @binding(5) var<storage, read> areas: array<f32>;

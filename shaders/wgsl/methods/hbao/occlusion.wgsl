@@ -5,7 +5,30 @@
 #import shared/random
 #import shared/surface
 #import shared/surface_valid
-#uniform Hbao
+
+/// What `methods/hbao/occlusion` reads.
+struct Hbao {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Directions that are marched.
+    directions: u32,
+    /// Most samples of a direction.
+    steps: u32,
+    /// Chooses the random numbers.
+    seed: u32,
+    /// Radius within which a sample can occlude, metres.
+    radius: f32,
+    /// Distance in pixels, at depth 1, of two points one unit apart.
+    focal_length: f32,
+    /// Sine of the angle bias.
+    bias_sine: f32,
+    /// Cosine of the angle bias.
+    bias_cosine: f32,
+    /// Factor of the occlusion.
+    strength: f32,
+}
 
 @group(0) @binding(0) var<uniform> hbao: Hbao;
 @group(0) @binding(4) var<storage, read_write> openness: array<f32>;

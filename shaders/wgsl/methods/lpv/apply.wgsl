@@ -8,10 +8,10 @@
 #import shared/surface
 #import shared/surface_valid
 #import shared/view
-#uniform FrameView
-#uniform LightGrid
-#uniform Marching
-#uniform MediumRecord
+#import uniforms/frame_view
+#import uniforms/light_grid
+#import uniforms/marching
+#import uniforms/medium_record
 #constant LIT = 1
 #constant NESTED = 1
 #constant SCALE = 1

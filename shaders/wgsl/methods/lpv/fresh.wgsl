@@ -8,8 +8,8 @@
 #import shared/lpv_lobe
 #import shared/lpv_medium
 #import shared/lpv_second
-#uniform LightGrid
-#uniform MediumRecord
+#import uniforms/light_grid
+#import uniforms/medium_record
 #constant FIRST = 1
 #constant SCATTERED = 1
 #constant STEADY = 1

@@ -3,7 +3,7 @@
 #import shared/lpv_fixed
 #import shared/lpv_grid
 #import shared/lpv_lattice
-#uniform LightGrid
+#import uniforms/light_grid
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> sums: array<u32>;

@@ -5,8 +5,8 @@
 #import shared/surface
 #import shared/surface_valid
 #import shared/view
-#uniform FrameView
-#uniform LightGrid
+#import uniforms/frame_view
+#import uniforms/light_grid
 #constant NESTED = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;

@@ -10,10 +10,10 @@
 #import shared/random
 #import shared/surface_distance
 #import shared/view
-#uniform FrameView
-#uniform LightGrid
-#uniform Marching
-#uniform MediumRecord
+#import uniforms/frame_view
+#import uniforms/light_grid
+#import uniforms/marching
+#import uniforms/medium_record
 #constant NESTED = 1
 #constant SCALE = 1
 

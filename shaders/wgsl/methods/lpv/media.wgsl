@@ -6,8 +6,8 @@
 #import shared/lpv_medium
 #import shared/lpv_part
 #import shared/medium
-#uniform LightGrid
-#uniform MediumRecord
+#import uniforms/light_grid
+#import uniforms/medium_record
 #constant FACTORS = 0
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;

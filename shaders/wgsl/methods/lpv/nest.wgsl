@@ -1,8 +1,8 @@
 // Where a finer grid lies in a coarser one: around the camera, a box of half the extent that begins between cells of the
 // coarser one and lies within it; as many cells of half the edge: render/src/lpv/grid.rs.
 
-#uniform FrameView
-#uniform LightGrid
+#import uniforms/frame_view
+#import uniforms/light_grid
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;

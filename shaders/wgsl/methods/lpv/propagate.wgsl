@@ -9,10 +9,8 @@
 #import shared/lpv_medium
 #import shared/lpv_reflectance
 #import shared/lpv_second
-#uniform Iteration
-#uniform LightGrid
-#uniform MediumRecord
-#uniform Propagation
+#import uniforms/light_grid
+#import uniforms/medium_record
 #constant BORDERS = 1
 #constant FACTORS = 0
 #constant FIRST = 1
@@ -22,6 +20,18 @@
 #constant SHOWS = 1
 #constant STEADY = 1
 #constant UNSCATTERED = 2
+
+/// How far light is propagated.
+struct Propagation {
+    /// Metres.
+    reach: f32,
+}
+
+/// One iteration of propagation.
+struct Iteration {
+    /// Its number, from 0.
+    number: u32,
+}
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> medium: MediumRecord;

@@ -8,8 +8,8 @@
 #import shared/surfel_patch_record
 #import shared/surfel_record
 #import shared/view
-#uniform FrameView
-#uniform LightGrid
+#import uniforms/frame_view
+#import uniforms/light_grid
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -1,5 +1,5 @@
 // Light that surfels give back of what they kept.
 
-#import methods/lpv/shine
+#import shared/lpv_shine
 #import shared/lpv_gives_back
 #constant HEIGHT = 8

@@ -6,10 +6,10 @@
 #import shared/lpv_part
 #import shared/lpv_send
 #import shared/medium
-#uniform GlowCells
-#uniform LightGrid
-#uniform MediumRecord
-#uniform PaintState
+#import uniforms/glow_cells
+#import uniforms/light_grid
+#import uniforms/medium_record
+#import uniforms/paint_state
 #constant PAINT_STATES = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;

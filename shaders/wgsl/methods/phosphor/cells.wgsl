@@ -6,10 +6,10 @@
 #import shared/light_dimmed
 #import shared/lights
 #import shared/shadow
-#uniform FrameView
-#uniform GlowCells
-#uniform LightRecord
-#uniform PaintState
+#import uniforms/frame_view
+#import uniforms/glow_cells
+#import uniforms/light_record
+#import uniforms/paint_state
 #constant LIGHTS = 1
 #constant PAINT = 0
 #constant PAINT_STATES = 1

@@ -4,8 +4,8 @@
 #import shared/glow_corners
 #import shared/glow_tile
 #import shared/view
-#uniform FrameView
-#uniform GlowTile
+#import uniforms/frame_view
+#import uniforms/glow_tile
 #constant FAN = 8
 #constant LEVELS = 1
 #constant TILES = 1

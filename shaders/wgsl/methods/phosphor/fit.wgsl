@@ -3,10 +3,21 @@
 
 #import shared/glow_corners
 #import shared/glow_tile
-#uniform GlowLevel
-#uniform GlowTile
+#import uniforms/glow_tile
 #constant FAN = 8
 #constant LEAVES = 1
+
+/// A level of the tree over tiles.
+struct GlowLevel {
+    /// Its nodes.
+    nodes: u32,
+    /// The nodes, or tiles, of the level below.
+    children: u32,
+    /// Its first node.
+    first: u32,
+    /// The first node of the level below.
+    first_child: u32,
+}
 
 @group(0) @binding(0) var<uniform> level: GlowLevel;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;

@@ -1,4 +1,4 @@
 // States as an integral over the past, where the medium dims the lamps' light.
 
-#import methods/phosphor/glassner
+#import shared/glow_glassner
 #import shared/light_dimmed

@@ -7,10 +7,10 @@
 #import shared/medium_span
 #import shared/surface_distance
 #import shared/view
-#uniform FrameView
-#uniform GlowCells
-#uniform MediumRecord
-#uniform PaintState
+#import uniforms/frame_view
+#import uniforms/glow_cells
+#import uniforms/medium_record
+#import uniforms/paint_state
 #constant PAINT_STATES = 1
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;

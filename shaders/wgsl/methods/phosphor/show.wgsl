@@ -1,8 +1,8 @@
 // What texels give back at each pixel (thesis, equation 8.3), linear between the three around it.
 
 #import shared/glow_tile
-#uniform GlowTile
-#uniform PaintState
+#import uniforms/glow_tile
+#import uniforms/paint_state
 #constant PAINT_STATES = 1
 #constant STATES = 1
 

@@ -1,4 +1,4 @@
 // States after a stretch of time, where the medium dims the lamps' light.
 
-#import methods/phosphor/step
+#import shared/glow_step
 #import shared/light_dimmed

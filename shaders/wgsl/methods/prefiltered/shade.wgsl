@@ -2,10 +2,17 @@
 // The plain version is render/src/methods/prefiltered/reference.rs; both do the same, line by line.
 
 #import shared/environment
-#uniform Prefiltered
 #constant ANGLES = 32
 #constant EXPONENTS = 26
 #constant LEVELS = 14
+
+/// What `methods/prefiltered/shade` reads.
+struct Prefiltered {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+}
 
 @group(0) @binding(0) var<uniform> image: Prefiltered;
 // Attributes, [channels, height, width].

@@ -1,7 +1,7 @@
 // Half of the longest movement that reaches a tile, from whatever tile (McGuire et al. 2012, NeighborMax).
 // The plain version is render/src/methods/reconstruction/reference.rs.
 
-#uniform Reconstruction
+#import uniforms/reconstruction
 
 @group(0) @binding(0) var<uniform> settings: Reconstruction;
 @group(0) @binding(1) var<storage, read> longest_of_tiles: array<vec3f>;

@@ -2,7 +2,7 @@
 // lies in front and spreads over it. One invocation a gathered pixel.
 // The plain version is render/src/methods/ring_gather/reference.rs; both do the same, line by line.
 
-#uniform RingGather
+#import uniforms/ring_gather
 
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(1) var<storage, read> low: array<vec4f>;

@@ -1,7 +1,7 @@
 // Radius of the largest circle of confusion in front of the plane in focus that reaches a tile, from whatever tile.
 // The plain version is render/src/methods/ring_gather/reference.rs.
 
-#uniform RingGather
+#import uniforms/ring_gather
 
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(1) var<storage, read> largest_in_front: array<f32>;

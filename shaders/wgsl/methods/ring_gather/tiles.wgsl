@@ -1,7 +1,7 @@
 // Radius of the largest circle of confusion in front of the plane in focus, of each tile of TILE x TILE gathered pixels.
 // The plain version is render/src/methods/ring_gather/reference.rs.
 
-#uniform RingGather
+#import uniforms/ring_gather
 
 @group(0) @binding(0) var<uniform> gather: RingGather;
 @group(0) @binding(1) var<storage, read> low: array<vec4f>;

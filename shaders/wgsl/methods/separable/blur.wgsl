@@ -5,8 +5,25 @@
 #import shared/bounded
 #import shared/picture
 #import shared/translucent
-#uniform Separable
 #constant MOST_TAPS = 25
+
+/// What `methods/separable/blur` reads.
+struct Separable {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// 1 to blur along rows, else 0.
+    step_x: i32,
+    /// 1 to blur along columns, else 0.
+    step_y: i32,
+    /// Taps on one side, the middle among them.
+    taps: u32,
+    /// Distance in pixels, at depth 1, of two points one unit apart.
+    focal_length: f32,
+    /// The exponent of what is a mean free path farther away in space than on the screen.
+    follow: f32,
+}
 
 @group(0) @binding(0) var<uniform> settings: Separable;
 // Distances, in mean free paths, and the share of the profile that each stands for on one side.

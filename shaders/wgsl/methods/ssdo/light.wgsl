@@ -6,7 +6,46 @@
 #import shared/random
 #import shared/surface
 #import shared/surface_valid
-#uniform Ssdo
+
+/// What `methods/ssdo/light` reads.
+struct Ssdo {
+    /// Columns of the image.
+    width: u32,
+    /// Rows of the image.
+    height: u32,
+    /// Directions of a pixel.
+    directions: u32,
+    /// Points along each.
+    steps: u32,
+    /// Chooses the random numbers.
+    seed: u32,
+    /// Radius up to which directions are marched, metres.
+    radius: f32,
+    /// How thick everything is taken to be, metres.
+    thickness: f32,
+    /// Distance in pixels, at depth 1, of two points one unit apart.
+    focal_length: f32,
+    /// Rows of the environment's map.
+    environment_height: u32,
+    /// The camera's x axis in world space, and so on.
+    right_x: f32,
+    /// Its y.
+    right_y: f32,
+    /// Its z.
+    right_z: f32,
+    /// The camera's y axis.
+    up_x: f32,
+    /// Its y.
+    up_y: f32,
+    /// Its z.
+    up_z: f32,
+    /// The camera's z axis, against the view.
+    back_x: f32,
+    /// Its y.
+    back_y: f32,
+    /// Its z.
+    back_z: f32,
+}
 
 @group(0) @binding(0) var<uniform> ssdo: Ssdo;
 // One map of ssdo.environment_height rows.

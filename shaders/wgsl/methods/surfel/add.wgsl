@@ -1,6 +1,6 @@
 // Adds up the levels, and says what the sum of the last one means.
 
-#uniform LevelSum
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> level: LevelSum;
 @group(0) @binding(1) var<storage, read> valid_plane: array<f32>;

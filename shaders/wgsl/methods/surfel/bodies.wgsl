@@ -2,7 +2,7 @@
 // object; and a mask that tells bodies apart, 0 where no light enters.
 
 #import shared/diffusion_length
-#uniform LevelSum
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<storage, read> valid_plane: array<f32>;

@@ -3,8 +3,8 @@
 #import shared/environment
 #import shared/environment_height
 #import shared/view
-#uniform FrameView
-#uniform LevelSum
+#import uniforms/frame_view
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<uniform> view: FrameView;

@@ -4,7 +4,7 @@
 #import shared/gloss
 #import shared/lobe
 #import shared/surface
-#uniform LevelSum
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 // [3, height, width]

@@ -2,7 +2,7 @@
 // pixel's own light they leave to it; of both what those on the far side of a thin body leave, and what they give. So an
 // evenly lit surface stays as it is whatever its surfels.
 
-#uniform LevelSum
+#import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> image_size: LevelSum;
 @group(0) @binding(1) var<storage, read> valid_plane: array<f32>;

@@ -9,7 +9,7 @@
 #import shared/surfel_record
 #import shared/surfel_tree
 #import shared/surfel_walk
-#uniform SplatLevel
+#import uniforms/splat_level
 #constant HEIGHT = 8
 
 @group(0) @binding(0) var<uniform> level: SplatLevel;

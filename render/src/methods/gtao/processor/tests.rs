@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::methods::Quality;
-use crate::methods::gtao::{Parameters, reference};
+use crate::methods::gtao::reference;
+use crate::methods::march::blurred;
 use crate::methods::proving::receiver::beside_wall;
 use crate::methods::proving::{
     Tolerance, agree, everything, gbuffer_of, plane, prove_comparator, prove_twin_on_processor, still_life,
     view,
 };
-use crate::screen::View;
 use glam::Vec3;
 
 const HEIGHT: usize = 43;
@@ -20,7 +20,7 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 const QUALITIES: [Quality; 4] = [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra];
 
 fn image(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
-    let [.., image] = on_processor(surface, &parameters.settings(view));
+    let [.., image] = on_processor(parameters, surface, view);
     image
 }
 
@@ -37,27 +37,28 @@ fn it_and_the_reference_agree_at_every_pixel() {
         }
     }
     let (_, view, gbuffer) = everything(37, 50);
-    prove_twin_on_processor(&Parameters::default(), &gbuffer, &view, TOLERANCE);
+    prove_twin_on_processor(&Parameters::of(Quality::High), &gbuffer, &view, TOLERANCE);
 }
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let settings = Parameters::default().settings(&view(HEIGHT, WIDTH, 1.0));
-    let [.., right] = reference::shade(&surface, &settings);
+    let (parameters, view_of_right) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
+    let noisy = reference::occlude(&surface, &parameters.march(&view_of_right));
+    let [.., right] = blurred(&parameters, &surface, &view_of_right, noisy);
     prove_comparator(&right, TOLERANCE);
     let reseeded = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = image(&surface, &Parameters::default(), &reseeded);
+    let reseeded = image(&surface, &Parameters::of(Quality::High), &reseeded);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
 #[test]
 fn threads_do_not_matter() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let settings = Parameters::default().settings(&view(HEIGHT, WIDTH, 1.0));
+    let (parameters, view) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| on_processor(&surface, &settings))
+        pool.install(|| on_processor(&parameters, &surface, &view))
     });
     assert!(one == two, "the same bits");
 }
@@ -81,7 +82,7 @@ fn a_floor_beside_a_wall_has_its_integral() {
     let receiver = beside_wall();
     let surface = Surface::of(&receiver.gbuffer()).expect("all attributes");
     let view = view(surface.height, surface.width, receiver.radius);
-    let mut parameters = Parameters::default();
+    let mut parameters = Parameters::of(Quality::High);
     (parameters.slices.slices, parameters.slices.steps, parameters.blur.radius) = (64, 1000, 0);
     parameters.slices.thickness = 0.25;
     let open = image(&surface, &parameters, &view);

@@ -50,7 +50,8 @@ fn what_moves_hardly_flickers() {
     let moves: [(&str, &dyn Fn(usize) -> Scene); 3] =
         [("lamp", &lamp), ("screen", &screen), ("smoke", &smoke)];
     for (name, scene) in moves {
-        let images: Vec<_> = (0..8).map(|frame| shaded(&Multiple(FEW), scene(frame), camera)).collect();
+        let images: Vec<_> =
+            (0..8).map(|frame| shaded(&InMedium::multiple(FEW), scene(frame), camera)).collect();
         let flicker = flicker(&images);
         assert!(images[0] != images[7] && flicker < 1e-3, "{name}: {flicker}");
     }
@@ -60,9 +61,8 @@ fn what_moves_hardly_flickers() {
 fn nothing_is_left_of_another_frame() {
     let gpu = gpu();
     let (scene, view, gbuffer) = with_colours(foggy().remove(0));
-    let method = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
-    let there =
-        GpuGBuffer::upload(&gpu.device, &gbuffer, ScreenMethod::attributes(&method)).expect("attributes");
+    let method = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
+    let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), &view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
     let plan = Plan::new(&method, &inputs, &view).expect("room");

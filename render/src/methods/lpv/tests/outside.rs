@@ -46,13 +46,13 @@ fn seen_from() -> Camera {
 #[test]
 fn a_lamp_far_outside_of_the_grid_lights_as_a_sun_does() {
     let sun = Light::Directional { direction: -up(), irradiance: Vec3::splat(10.0), pattern: None };
-    let indirect = Indirect(FEW, Pixel { medium: true, surface: true });
+    let indirect = InMedium::indirect_at(FEW, Pixel { medium: true, surface: true });
     let images = |scene: &Scene| {
         let shade = |technique: &dyn Fn(Scene) -> Vec<f32>| technique(scene.clone());
         [
             shade(&|scene| shaded(&FEW, scene, seen_from())),
             shade(&|scene| shaded(&indirect, scene, seen_from())),
-            shade(&|scene| shaded(&Multiple(FEW), scene, seen_from())),
+            shade(&|scene| shaded(&InMedium::multiple(FEW), scene, seen_from())),
         ]
     };
     let [sunny, far, near] = [sun, lamp(3000.0), lamp(3.0)].map(|lamp| images(&under(lamp)));
@@ -85,9 +85,9 @@ fn lamps_and_cameras_outside_are_as_the_plain_version_has_them() {
         let view = View { camera, radius: 20.0, ..view(48, 64, 1.0) };
         let gbuffer = gbuffer::render(&scene, &camera, 48, 64, &[Attribute::Valid]);
         let frame = with_colours((scene.clone(), view, gbuffer));
-        let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
+        let multiple = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
         prove_twin(&multiple, &frame, OF_MEDIUM);
-        prove_twin(&LightVolume::new(&gpu, FEW).expect("valid shaders"), &frame, TOLERANCE);
+        prove_twin(&ScreenMethod::new(&gpu, FEW), &frame, TOLERANCE);
     }
 }
 
@@ -99,9 +99,9 @@ fn light_along_a_ray_does_not_hang_on_how_far_outside_the_camera_is() {
         let camera = Camera::look_at(target + distance * Vec3::new(-0.2, 0.5, 0.8).normalize(), target);
         // Seeds pixels' noise by their places, which are the same.
         let view = View { camera, radius: 20.0, ..view(1, 1, 1.0) };
-        let gbuffer = gbuffer::render(&scene, &camera, 1, 1, <Multiple as Technique>::ATTRIBUTES);
+        let gbuffer = gbuffer::render(&scene, &camera, 1, 1, InMedium::multiple(FEW).about().attributes);
         let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
-        Technique::reference(&Multiple(FEW), &inputs, &view).expect("attributes").remove(0)[1]
+        Technique::reference(&InMedium::multiple(FEW), &inputs, &view).expect("attributes").remove(0)[1]
     };
     let [near, far, farther] = [4.0, 40.0, 400.0].map(middle);
     assert!(near > 1e-3, "{near}");

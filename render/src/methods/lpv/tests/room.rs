@@ -13,7 +13,7 @@ use std::f32::consts::PI;
 pub fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f32> {
     let scene = TracedScene::new(scene).expect("triangles");
     let view = View { camera, radius: 20.0, ..view(12, 16, 1.0) };
-    let gbuffer = gbuffer::render(&scene, &camera, 12, 16, <Multiple as Technique>::ATTRIBUTES);
+    let gbuffer = gbuffer::render(&scene, &camera, 12, 16, InMedium::multiple(FEW).about().attributes);
     let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
     technique.reference(&inputs, &view).expect("attributes").remove(0)
 }
@@ -23,7 +23,7 @@ pub fn from_a_corner(scene: Scene) -> Seen {
     let scene = TracedScene::new(scene).expect("triangles");
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };
-    let gbuffer = gbuffer::render(&scene, &camera, 30, 40, <Multiple as Technique>::ATTRIBUTES);
+    let gbuffer = gbuffer::render(&scene, &camera, 30, 40, InMedium::multiple(FEW).about().attributes);
     (scene, view, gbuffer)
 }
 
@@ -126,19 +126,15 @@ fn a_wall_that_shines_lights_a_corner_about_as_truth_has_it() {
 fn surfaces_that_shine_are_as_the_plain_version_has_it() {
     let gpu = gpu();
     let pixel = Pixel { medium: true, surface: false };
-    let lit = LightVolume::new(&gpu, FEW).expect("valid shaders");
+    let lit = ScreenMethod::new(&gpu, FEW);
     prove_twin(&lit, &from_a_corner(shining(true, None)), TOLERANCE);
     let foggy = from_a_corner(shining(true, Some(fog())));
-    prove_twin(
-        &IndirectScattering::new(&gpu, Indirect(FEW, pixel)).expect("valid shaders"),
-        &foggy,
-        OF_MEDIUM,
-    );
-    let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
+    prove_twin(&ScreenMethod::new(&gpu, InMedium::indirect_at(FEW, pixel)), &foggy, OF_MEDIUM);
+    let multiple = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
     prove_twin(&multiple, &foggy, OF_MEDIUM);
     prove_twin(&multiple, &from_a_corner(glowing(Some(fog()))), OF_MEDIUM);
-    let nested = Multiple(Parameters { cascades: 2, ..FEW });
-    let nested = MultipleScattering::new(&gpu, nested).expect("valid shaders");
+    let nested = InMedium::multiple(Parameters { cascades: 2, ..FEW });
+    let nested = ScreenMethod::new(&gpu, nested);
     prove_twin(&nested, &foggy, OF_MEDIUM);
 }
 
@@ -163,8 +159,8 @@ fn light_that_surfaces_kept_enters_fog_as_that_which_they_emit() {
     let images = |technique: &dyn Fn(Scene) -> Vec<f32>| [glows.clone(), emits.clone()].map(technique);
     let pixel = Pixel { medium: true, surface: false };
     for [kept, emitted] in [
-        images(&|scene| shaded(&Indirect(parameters, pixel), scene, camera)),
-        images(&|scene| shaded(&Multiple(parameters), scene, camera)),
+        images(&|scene| shaded(&InMedium::indirect_at(parameters, pixel), scene, camera)),
+        images(&|scene| shaded(&InMedium::multiple(parameters), scene, camera)),
     ] {
         let worst = kept.iter().zip(&emitted).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         // A patch's emission has nine bits.
@@ -178,9 +174,9 @@ fn light_that_surfaces_kept_enters_fog_as_that_which_they_emit() {
 fn finer_grids_light_as_the_plain_version_has_it() {
     let gpu = gpu();
     let nested = Parameters { cascades: 2, ..FEW };
-    prove_twin(&LightVolume::new(&gpu, nested).expect("valid shaders"), &with_colours(corner()), TOLERANCE);
-    let multiple = MultipleScattering::new(&gpu, Multiple(nested)).expect("valid shaders");
-    let indirect = IndirectScattering::new(&gpu, nested.into()).expect("valid shaders");
+    prove_twin(&ScreenMethod::new(&gpu, nested), &with_colours(corner()), TOLERANCE);
+    let multiple = ScreenMethod::new(&gpu, InMedium::multiple(nested));
+    let indirect = ScreenMethod::new(&gpu, InMedium::indirect(nested));
     for frame in foggy().into_iter().map(with_colours) {
         prove_twin(&multiple, &frame, OF_MEDIUM);
         prove_twin(&indirect, &frame, OF_MEDIUM);
@@ -228,8 +224,8 @@ fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() 
     let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
     let ratios = [-0.5, 0.0, 0.7].map(|anisotropy| {
         let scene = shining(false, Some(Medium { anisotropy, ..fog() }));
-        let indirect = over_truth(&Indirect::from(parameters), Effect::FogIndirect, scene.clone(), 1024);
-        [indirect, over_truth(&Multiple::from(parameters), Effect::FogMultiple, scene, 1024)]
+        let indirect = over_truth(&InMedium::indirect(parameters), Effect::FogIndirect, scene.clone(), 1024);
+        [indirect, over_truth(&InMedium::multiple(parameters), Effect::FogMultiple, scene, 1024)]
     });
     assert!(ratios.iter().all(|[indirect, _]| (1.0..1.4).contains(indirect)), "{ratios:?}");
     assert!(ratios.iter().all(|[_, multiple]| (0.7..1.3).contains(multiple)), "{ratios:?}");
@@ -255,17 +251,17 @@ fn lamps_that_are_switched_off_light_nothing() {
     on.glow = Some(glow.into());
     let images = |shade: &dyn Fn(Scene) -> Vec<f32>| [&dark, &off, &on].map(|scene| shade(scene.clone()));
     for [dark, off, on] in [
-        images(&|scene| shaded(&Indirect::from(parameters), scene, camera)),
-        images(&|scene| shaded(&Multiple(parameters), scene, camera)),
+        images(&|scene| shaded(&InMedium::indirect(parameters), scene, camera)),
+        images(&|scene| shaded(&InMedium::multiple(parameters), scene, camera)),
         images(&|scene| shaded(&parameters, scene, camera)),
     ] {
         assert!(off == dark && mean(&on) > mean(&off) + 1e-3, "{} {}", mean(&on), mean(&off));
     }
     let gpu = gpu();
     for frame in [off, on].map(from_a_corner) {
-        let indirect = IndirectScattering::new(&gpu, FEW.into()).expect("valid shaders");
+        let indirect = ScreenMethod::new(&gpu, InMedium::indirect(FEW));
         prove_twin(&indirect, &frame, OF_MEDIUM);
-        let multiple = MultipleScattering::new(&gpu, Multiple(FEW)).expect("valid shaders");
+        let multiple = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
         prove_twin(&multiple, &frame, OF_MEDIUM);
     }
 }
@@ -274,8 +270,7 @@ fn lamps_that_are_switched_off_light_nothing() {
 #[test]
 fn light_is_linear_and_the_same_on_both_sides_of_a_mirror() {
     let gpu = gpu();
-    let method =
-        LightVolume::new(&gpu, Parameters { cells: 8, iterations: 8, ..FEW }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters { cells: 8, iterations: 8, ..FEW });
     let corner = |size: f32, power: f32, side: f32| {
         let quad = |corners: [[f32; 3]; 4]| Mesh {
             positions: corners.map(|[x, y, z]| size * Vec3::new(side * x, y, z)).to_vec(),
@@ -297,7 +292,7 @@ fn light_is_linear_and_the_same_on_both_sides_of_a_mirror() {
         };
         let scene = TracedScene::new(scene).expect("triangles");
         let camera = Camera::look_at(size * Vec3::new(0.0, 1.0, 1.5), Vec3::ZERO);
-        let attributes = <Parameters as Technique>::ATTRIBUTES;
+        let attributes = FEW.about().attributes;
         let gbuffer = gbuffer::render(&scene, &camera, 12, 16, attributes);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 20.0 * size, seed: 1 };
         let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;

@@ -1,14 +1,10 @@
 //! What glowing surfaces light: by surfels, by rays that meet them and by the grid, against their plain versions and against truth.
 
 use super::*;
-use crate::methods::surfel::{self, Surfel, indirect};
-use crate::methods::{bounced_z, lpv};
+use crate::methods::disks::Disks;
+use crate::methods::{bounced_z, lpv, surfel};
 use crate::path::{self, Sampling, Shot};
 use crate::surfels;
-
-type ByRays = Compiled<bounced_z::BouncedZ<bounced_z::indirect::KeptLight>>;
-type BySurfels = Compiled<Surfel<indirect::KeptLight>>;
-type ByGrid = Compiled<lpv::KeptLight>;
 
 /// The room as methods of the effect see it.
 fn lit_room((scene, view, _): (TracedScene, View, GBuffer)) -> (TracedScene, View, GBuffer) {
@@ -29,21 +25,21 @@ fn changed(
     (scene.with_look(look).expect("a look"), *view, gbuffer.clone())
 }
 
-fn by_surfels(gpu: &Gpu) -> BySurfels {
+fn by_surfels(gpu: &Gpu) -> ScreenMethod {
     let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
-    let parameters = surfel::Parameters { surfels, ..surfel::Parameters::default() };
-    BySurfels::new(gpu, parameters.into()).expect("valid shaders")
+    let parameters = surfel::Parameters { surfels, ..surfel::Parameters::of(Quality::High) };
+    ScreenMethod::new(gpu, Disks::new(parameters, surfel::indirect::KEPT_LIGHT))
 }
 
-fn by_rays(gpu: &Gpu) -> ByRays {
+fn by_rays(gpu: &Gpu) -> ScreenMethod {
     let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
-    let parameters = bounced_z::Parameters { surfels, ..bounced_z::Parameters::default() };
-    ByRays::new(gpu, parameters.into()).expect("valid shaders")
+    let parameters = bounced_z::Parameters { surfels, ..bounced_z::Parameters::of(Quality::High) };
+    ScreenMethod::new(gpu, Disks::new(parameters, bounced_z::indirect::KEPT_LIGHT))
 }
 
-fn by_grid(gpu: &Gpu, cells: usize) -> ByGrid {
-    let parameters = lpv::Parameters { cells, iterations: cells, ..lpv::Parameters::default() };
-    ByGrid::new(gpu, parameters.into()).expect("valid shaders")
+fn by_grid(gpu: &Gpu, cells: usize) -> ScreenMethod {
+    let parameters = lpv::Parameters { cells, iterations: cells, ..lpv::Parameters::of(Quality::High) };
+    ScreenMethod::new(gpu, lpv::KeptLight(parameters))
 }
 
 /// Shadow maps end within a texel of where shadows do, and a patch is dark or lit. What surfaces light is a thirtieth as bright as

@@ -15,7 +15,7 @@ fn flashing(count: u8) -> (TracedScene, View, GBuffer) {
 #[test]
 fn steps_of_euler_are_as_many_as_are_asked_for() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters { texels: 12, euler: 4096 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters { texels: 12, euler: 4096 });
     prove_twin(&method, &flashing(9), Tolerance { usual: 1e-4, worst: 1e-4 });
 }
 
@@ -23,7 +23,7 @@ fn steps_of_euler_are_as_many_as_are_asked_for() {
 #[test]
 fn moments_are_as_many_as_are_asked_for() {
     let gpu = gpu();
-    let method = Glassner::new(&gpu, Moments { samples: 4096 }).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Moments { samples: 4096 });
     prove_twin(&method, &flashing(21), Tolerance { usual: 2e-3, worst: 1e-2 });
 }
 
@@ -31,7 +31,7 @@ fn moments_are_as_many_as_are_asked_for() {
 #[test]
 fn thin_fog_shines_as_in_the_plain_version() {
     let gpu = gpu();
-    let method = RateEquation::new(&gpu, Parameters::exact(100)).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
     let mut kept = glow(&[0.4], &[[0.0, 1.0]], 1.5);
     kept.medium = kept.surfaces.pop().map(|(_, paint)| paint);
     let density = Density::Within(Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) });

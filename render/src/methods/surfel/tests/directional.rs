@@ -1,6 +1,6 @@
 //! Directional occlusion by surfels: against the ambient occlusion of the same surfels, its plain version, and truth.
 
-use super::super::directional::SurfelDirectional;
+use super::super::directional::DIRECTIONAL;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -9,21 +9,22 @@ use crate::methods::proving::{self, mean_difference};
 use crate::path::proving::{spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::Environment;
-use crate::screen::ScreenMethod;
 use deepshade_shaders::{Effect, GBuffer};
 
 const COARSE: surfels::Parameters = surfels::Parameters { scale: 0.03, near: 0.25 };
 
 fn parameters() -> Parameters {
-    Parameters { surfels: COARSE, levels: 4, ..Parameters::default() }
+    Parameters { surfels: COARSE, levels: 4, ..Parameters::of(Quality::High) }
 }
 
-fn method() -> SurfelDirectional {
-    SurfelDirectional::new(&Gpu::new().expect("an adapter; lavapipe will do"), parameters().into())
-        .expect("valid shaders")
+fn method() -> ScreenMethod {
+    ScreenMethod::new(
+        &Gpu::new().expect("an adapter; lavapipe will do"),
+        Disks::new(parameters(), DIRECTIONAL),
+    )
 }
 
-fn image(method: &impl ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
+fn image(method: &ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
@@ -36,9 +37,10 @@ fn under(environment: Option<Environment>) -> (TracedScene, View, GBuffer) {
 
 #[test]
 fn light_from_everywhere_is_what_is_open_for_it() {
-    let occlusion = SurfelOcclusion::new(&Gpu::new().expect("an adapter"), parameters().into());
+    let of_surfels =
+        ScreenMethod::new(&Gpu::new().expect("an adapter"), Disks::new(parameters(), occlusion::OCCLUSION));
     let everywhere = under(Some(Environment::uniform(Vec3::new(2.0, 1.0, 0.5))));
-    let open = image(&occlusion.expect("valid shaders"), &everywhere);
+    let open = image(&of_surfels, &everywhere);
     let light = image(&method(), &everywhere);
     let valid = everywhere.2.seen().expect("a mask");
     for (channel, radiance) in [2.0, 1.0, 0.5].into_iter().enumerate() {

@@ -1,16 +1,15 @@
 //! Glossy receivers, of surfels and of the bounced z-buffer over them: against truth, and the passes against the plain
 //! version.
 
-use super::super::glossy::SurfelGlossy;
+use super::super::glossy::GLOSSY;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::methods::bounced_z::{self, glossy::BouncedGlossy};
+use crate::methods::bounced_z;
 use crate::methods::lobe::ATTRIBUTES;
 use crate::methods::proving::mean_difference;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Gloss, Material, MaterialId};
-use crate::screen::ScreenMethod;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 
 /// The corner with a floor of glossy metal.
@@ -27,7 +26,7 @@ fn corner_over(roughness: f32) -> (TracedScene, View, GBuffer) {
     (scene, view, gbuffer)
 }
 
-fn image(method: &impl ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
+fn image(method: &ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
@@ -44,9 +43,9 @@ fn off(image: &Planes, truth: &Planes) -> f32 {
 #[test]
 fn a_glossy_floor_mirrors_a_lit_wall_as_truth_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = SurfelGlossy::new(&gpu, Parameters::of(Quality::High).into()).expect("valid shaders");
+    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
     let bounced = bounced_z::Parameters { directions: 8, ..bounced_z::Parameters::of(Quality::High) };
-    let bounced = BouncedGlossy::new(&gpu, bounced.into()).expect("valid shaders");
+    let bounced = ScreenMethod::new(&gpu, Disks::new(bounced, bounced_z::glossy::GLOSSY));
     // Surfels that stand for many blur what a smooth floor mirrors.
     for (roughness, most) in [(0.4, 0.5), (0.8, 0.2)] {
         let seen = corner_over(roughness);
@@ -68,8 +67,11 @@ fn a_glossy_floor_mirrors_a_lit_wall_as_truth_does() {
 #[test]
 fn what_reflects_nothing_specularly_is_black() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = SurfelGlossy::new(&gpu, Parameters::default().into()).expect("valid shaders");
-    let bounced = BouncedGlossy::new(&gpu, bounced_z::Parameters::default().into()).expect("valid shaders");
+    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
+    let bounced = ScreenMethod::new(
+        &gpu,
+        Disks::new(bounced_z::Parameters::of(Quality::High), bounced_z::glossy::GLOSSY),
+    );
     let (scene, view, _) = corner();
     let mut scene = scene.scene().clone();
     scene.materials[0].gloss = Gloss::None;
@@ -83,7 +85,7 @@ fn what_reflects_nothing_specularly_is_black() {
 #[test]
 fn what_is_matte_neither_shines_nor_darkens_what_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = SurfelGlossy::new(&gpu, Parameters::default().into()).expect("valid shaders");
+    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
     let (scene, view, gbuffer) = corner_over(0.5);
     let metal =
         image(&surfel, &(TracedScene::new(scene.scene().clone()).expect("a corner"), view, gbuffer.clone()));
@@ -113,10 +115,11 @@ fn what_is_matte_neither_shines_nor_darkens_what_does() {
 fn the_passes_reflect_as_the_plain_versions_do() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::default() };
-    let surfel = SurfelGlossy::new(&gpu, parameters.into()).expect("valid shaders");
-    let parameters = bounced_z::Parameters { surfels: coarse, levels: 4, ..bounced_z::Parameters::default() };
-    let bounced = BouncedGlossy::new(&gpu, parameters.into()).expect("valid shaders");
+    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::of(Quality::High) };
+    let surfel = ScreenMethod::new(&gpu, Disks::new(parameters, GLOSSY));
+    let parameters =
+        bounced_z::Parameters { surfels: coarse, levels: 4, ..bounced_z::Parameters::of(Quality::High) };
+    let bounced = ScreenMethod::new(&gpu, Disks::new(parameters, bounced_z::glossy::GLOSSY));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     for roughness in [0.1, 0.5] {
         let seen = corner_over(roughness);

@@ -2,9 +2,7 @@
 //! what is known to go through, bodies apart, and the passes against the plain version.
 
 use super::super::reference::{Receiver, Shade, sums};
-use super::super::scattering::{
-    SUPPORT, Scattering, Side, SurfelScattering, given, met_from_within, scattered, shape,
-};
+use super::super::scattering::{SCATTERING, SUPPORT, Side, given, met_from_within, scattered, shape};
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -13,7 +11,6 @@ use crate::methods::separable::kernel;
 use crate::path::proving::quad;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::{Light, Material, MaterialId};
-use crate::screen::ScreenMethod;
 use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::f32::consts::PI;
@@ -73,7 +70,7 @@ fn plain((scene, view, gbuffer): &Seen, parameters: &Parameters) -> Planes {
     Scattering::plain(&plain, disks).expect("attributes")
 }
 
-fn image(method: &impl ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
+fn image(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
@@ -177,7 +174,7 @@ fn a_slab_lets_through_its_share_and_loses_nothing() {
     // Known by Heaslet and Warming 1965, as truth's own test has it.
     for (paths, known) in [(0.5, 0.7040), (1.0, 0.5532), (2.0, 0.3900)] {
         // Without a blur some pixels give more than they have.
-        let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.02, 4) };
+        let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.02, 4) };
         let mean = |direction| {
             let image = plain(&slab(paths, sun(direction)), &parameters);
             image.data().iter().sum::<f32>() / image.data().len() as f32
@@ -252,7 +249,7 @@ fn light_does_not_go_from_one_body_to_another() {
     let dark_half =
         |image: &Planes| (0..32 * 48).filter(|i| i % 48 < 23).map(|i| image.plane(0)[i]).fold(0.0, f32::max);
     // With a blur, which must not bring it over either.
-    let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.03, 3) };
+    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.03, 3) };
     let apart = plain(&seen, &parameters);
     assert_eq!(dark_half(&apart), 0.0);
     assert!(apart.data().iter().any(|light| *light > 0.1), "the other is lit");
@@ -291,9 +288,9 @@ fn without_surfels_or_ways_below_light_stays_where_it_is() {
     let is_light = |image: &Planes, gbuffer: &GBuffer| {
         image.data() == gbuffer.select(&[Attribute::DiffuseLight]).expect("light").data()
     };
-    assert!(is_light(&Scattering::plain(&plain, vec![]).expect("attributes"), gbuffer));
+    assert!(is_light(&(SCATTERING.plain)(&plain, &[]).expect("attributes"), gbuffer));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = SurfelScattering::new(&gpu, parameters(0.03, 3).into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters(0.03, 3), SCATTERING));
     let mut opaque = blocks(TWO);
     opaque.materials[0].mean_free_path = Vec3::ZERO;
     let opaque = looked_at(opaque, from_above(), [SIZE; 2], 0.1);
@@ -320,14 +317,14 @@ fn still_life() -> Seen {
 #[test]
 fn the_passes_scatter_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.02, 4) };
+    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.02, 4) };
     // Of radiances up to about 4. Shadow maps end within a texel of where shadows do; radiance has nine bits.
     let tolerance = Tolerance { usual: 2e-2, worst: 0.5 };
     let camera = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
     let mut scene = blocks(ONE);
     scene.materials[0].mean_free_path = Vec3::new(0.01, 0.004, 0.0);
     let seen = looked_at(scene, camera, [43, 61], 0.2);
-    let method = SurfelScattering::new(&gpu, parameters.into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters, SCATTERING));
     prove_twin(&method, &seen, tolerance);
     // A lamp behind a slab: all light comes from the far side.
     let position = Vec3::new(0.02, 0.01, -0.04);
@@ -337,7 +334,7 @@ fn the_passes_scatter_as_the_plain_version_does() {
 
 #[test]
 fn it_is_nearer_to_truth_than_light_that_is_not_scattered() {
-    let parameters = Parameters { blur: Parameters::default().blur, ..parameters(0.015, 4) };
+    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.015, 4) };
     let above = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
     for (name, seen) in
         [("partly lit", looked_at(blocks(ONE), above, [43, 61], 0.2)), ("still life", still_life())]

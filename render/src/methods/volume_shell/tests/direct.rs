@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::methods::proving::view;
-use crate::methods::volume_shell::direct::VolumeShellDirect;
+use crate::methods::volume_shell::direct::Direct;
 use crate::path::medium::HenyeyGreenstein;
 use crate::path::proving::quad;
 use crate::scene::{Camera, Light};
@@ -36,7 +36,7 @@ fn right(extinction: f32, [from, to]: [f32; 2]) -> f32 {
 fn lit_fog_and_a_shaft_of_light_have_closed_forms() {
     let gpu = gpu();
     let fine = Parameters { samples: 64, ..coarse() };
-    let method = VolumeShellDirect::new(&gpu, fine.into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Direct(fine));
     for extinction in [0.05, 0.5] {
         for (roof, lit) in
             [(None, [0.0, 3.0]), (Some([1.0, 3.0]), [0.0, 1.0]), (Some([-1.0, 2.0]), [2.0, 3.0])]
@@ -52,8 +52,7 @@ fn lit_fog_and_a_shaft_of_light_have_closed_forms() {
 fn more_intervals_are_nearer_to_a_shaft() {
     let gpu = gpu();
     let off = |samples| {
-        let method =
-            VolumeShellDirect::new(&gpu, Parameters { samples, ..coarse() }.into()).expect("shaders");
+        let method = ScreenMethod::new(&gpu, Direct(Parameters { samples, ..coarse() }));
         let right = right(0.5, [0.0, 1.0]);
         let image = shaded(&method, &sheet(0.5, Some([1.0, 3.0])));
         image.data().iter().map(|found| (found / right - 1.0).powi(2)).sum::<f32>()

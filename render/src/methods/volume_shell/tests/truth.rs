@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::methods::proving::mean_difference;
-use crate::methods::volume_shell::direct::VolumeShellDirect;
+use crate::methods::volume_shell::direct::Direct;
 use crate::path::{self, Sampling, Shot};
 
 fn truth(effect: Effect, (scene, view, _): &Seen) -> Planes {
@@ -27,7 +27,7 @@ fn indirect_light_is_as_bright_as_truth() {
 #[test]
 fn direct_light_is_as_bright_as_truth() {
     let gpu = gpu();
-    let method = VolumeShellDirect::new(&gpu, Parameters::of(Quality::High).into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Direct(Parameters::of(Quality::High)));
     for medium in [fog(0.3), smoke()] {
         let seen = filled(medium);
         let truth = truth(Effect::FogDirect, &seen);

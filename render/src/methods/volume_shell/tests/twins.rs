@@ -3,7 +3,7 @@
 use super::*;
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::prove_twin;
-use crate::methods::volume_shell::direct::VolumeShellDirect;
+use crate::methods::volume_shell::direct::Direct;
 
 /// Radiance of surfels has nine bits, and shadow maps end within a texel of where shadows do.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 2e-3 };
@@ -11,7 +11,7 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 2e-3 };
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = gpu();
-    let method = VolumeShell::new(&gpu, coarse()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, coarse());
     for medium in [fog(0.3), smoke()] {
         prove_twin(&method, &filled(medium), TOLERANCE);
     }
@@ -24,7 +24,7 @@ fn they_do_so_without_each_improvement() {
     let as_in_the_paper = Parameters { improvements: Improvements::NONE, ..coarse() };
     for parameters in Improvement::ALL.map(without).into_iter().chain([as_in_the_paper]) {
         println!("{:?}", parameters.improvements);
-        prove_twin(&VolumeShell::new(&gpu, parameters).expect("valid shaders"), &seen, TOLERANCE);
+        prove_twin(&ScreenMethod::new(&gpu, parameters), &seen, TOLERANCE);
     }
 }
 
@@ -43,13 +43,13 @@ fn long_walks_are_walked_to_their_end() {
     let work = reference::work(gbuffer, scene, &long, view).expect("attributes");
     println!("{work:?}");
     assert!(work.visits > 65_535 * 80, "{work:?}");
-    prove_twin(&VolumeShell::new(&gpu, long).expect("valid shaders"), &seen, TOLERANCE);
+    prove_twin(&ScreenMethod::new(&gpu, long), &seen, TOLERANCE);
 }
 
 #[test]
 fn direct_light_is_what_the_plain_version_has() {
     let gpu = gpu();
-    let method = VolumeShellDirect::new(&gpu, coarse().into()).expect("valid shaders");
+    let method = ScreenMethod::new(&gpu, Direct(coarse()));
     for medium in [fog(0.3), smoke()] {
         prove_twin(&method, &filled(medium), Tolerance { usual: 1e-4, worst: 0.05 });
     }

@@ -1,4 +1,0 @@
-// Light that surfels emit.
-
-#import methods/lpv/shine
-#import shared/lpv_emits

@@ -1,5 +1,0 @@
-// The lowest nodes of the tree, of surfels that send light.
-
-#import shared/surfel_reach_if_lit
-#import surfels/leaves
-#constant HEIGHT = 8

@@ -1,0 +1,9 @@
+/// What surfels are made for.
+struct Surfels {
+    /// Radius of a surfel over its distance.
+    slope: f32,
+    /// Distance of the plane from which distances are counted, metres.
+    near: f32,
+    /// How far the effect reaches, metres.
+    reach: f32,
+}
