@@ -2,9 +2,11 @@
 
 #[cfg(feature = "view")]
 use crate::view;
+#[cfg(target_arch = "wasm32")]
+use crate::web;
 use crate::{
     bench, compare, dataset, demo, eval, farm, infer, interrupt, output, parameters, phosphor, render, scene,
-    tune, web,
+    tune,
 };
 #[cfg(feature = "train")]
 use crate::{export, parity, train};
@@ -63,10 +65,6 @@ enum Verb {
     Eval(eval::Args),
     /// Tunes a method's parameters on the validation views of a dataset.
     Tune(tune::Args),
-    /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
-    #[cfg(not(target_arch = "wasm32"))]
-    #[command(hide = true)]
-    Web(web::Args),
     /// Phosphorescent materials: those that are known, are measured, or are asked for by how they should
     /// look.
     #[command(
@@ -116,7 +114,6 @@ fn run(verb: &Verb) -> Result<()> {
         Verb::Tune(args) => tune::run(args),
         Verb::Phosphor(verb) => phosphor::run(verb),
         Verb::Bench(verb) => bench::run(verb),
-        Verb::Web(args) => web::run(args),
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
 use crate::methods::{self, LEARNED};
-use crate::place::{self, Place};
+use crate::place::Place;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
@@ -16,7 +16,6 @@ use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
-use rayon::{ThreadPoolBuilder, prelude::*};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -198,18 +197,12 @@ pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summ
     let method = target_method(recipe)?;
     let method = method.as_deref().map(|method| method as TargetMethod<'_>);
     let out = place.begin()?;
-    Ok(match shard {
-        Some(shard) => {
-            let summary = generate_shard(recipe, out.out(), method, shard)?;
-            out.deliver()?;
-            summary
-        }
-        None => {
-            let summary = generate_by(recipe, out.out(), method)?;
-            out.finish()?;
-            summary
-        }
-    })
+    let summary = match shard {
+        Some(shard) => generate_shard(recipe, out.out(), method, shard)?,
+        None => generate_by(recipe, out.out(), method)?,
+    };
+    out.finish()?;
+    Ok(summary)
 }
 
 /// Says what of a recipe's scene files is passed over, before hours go by on them.
@@ -258,16 +251,10 @@ fn generate_pairs(args: &Generate) -> Result<()> {
 /// # Errors
 /// If one is missing, unfinished, damaged or of other data, or a place cannot be read or written.
 pub fn merge_places(shards: &[Place], out: &Place, json: Option<&Path>) -> Result<()> {
-    // Pairs that are fetched wait for the line, not for the processor.
-    let at_once = if shards.iter().all(Place::is_folder) { 0 } else { place::TRANSFERS };
-    let pool = ThreadPoolBuilder::new().num_threads(at_once).build().context("threads")?;
-    let pairs = pool.install(|| -> Result<usize> {
-        let opened = shards.par_iter().map(Place::shard).collect::<Result<Vec<_>>>()?;
-        let work = out.begin()?;
-        let pairs = merge(&opened, work.out())?;
-        work.finish()?;
-        Ok(pairs)
-    })?;
+    let folders = shards.iter().map(Place::read).collect::<Result<Vec<_>>>()?;
+    let work = out.begin()?;
+    let pairs = merge(&folders, work.out())?;
+    work.finish()?;
     let mut figures = Figures::new("dataset merge");
     figures.set("pairs", pairs as f64);
     figures.set("shards", shards.len() as f64);

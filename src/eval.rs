@@ -17,7 +17,7 @@ use crate::complete::sky;
 use crate::figures::Figures;
 use crate::learned;
 use crate::methods::{self, LEARNED, Runs, TRUTH};
-use crate::place::{Folder, Place};
+use crate::place::Place;
 use anyhow::{Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Repeats;
@@ -164,8 +164,6 @@ struct Contest {
     network: Option<(String, Model)>,
     /// At least one.
     sets: Vec<NamedSet>,
-    /// Where frames are read from as they are wanted.
-    _kept: Vec<Folder>,
 }
 
 /// Evaluates, prints the tables.
@@ -276,18 +274,13 @@ fn contest(args: &Args) -> Result<Contest> {
     let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
-    let mut kept = vec![folder.clone()];
     let folders = match &args.testset {
-        Some(testset) => {
-            let testset = testset.read()?;
-            kept.push(testset.clone());
-            vec![testset.to_path_buf()]
-        }
+        Some(testset) => vec![testset.read()?],
         None => sets::folders(&folder, effect),
     };
     let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
     let name = names::figure_name(Path::new(&place.to_string()));
-    Ok(Contest { effect, network: model.map(|model| (name, model)), sets, _kept: kept })
+    Ok(Contest { effect, network: model.map(|model| (name, model)), sets })
 }
 
 #[cfg(test)]

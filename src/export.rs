@@ -111,9 +111,8 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
         return exported_of_stream(args, &config, run, out);
     }
     let context = "the card names the training data; --dataset says where they are now";
-    // The manifest alone is asked for: from a store no pair is fetched.
-    let moved = args.dataset.as_ref().map(Place::pairs).transpose().context(context)?;
-    let dataset = moved.as_ref().map_or(config.dataset.as_path(), |(folder, _)| folder);
+    let moved = args.dataset.as_ref().map(Place::read).transpose().context(context)?;
+    let dataset = moved.as_deref().unwrap_or(&config.dataset);
     let manifest = Manifest::load(dataset).context(context)?;
     ensure!(
         Manifest::file_hash(dataset)? == config.data_hash,

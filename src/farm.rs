@@ -1,48 +1,36 @@
-//! `deepshade farm`: the shards of a dataset on many machines, by engines that exist: Slurm's job arrays, Ray's tasks,
-//! Kubernetes' indexed jobs.
+//! `deepshade farm`: the shards of a dataset on many machines, by engines that exist: Slurm's job arrays,
+//! Ray's tasks, Kubernetes' indexed jobs.
 //!
-//! `plan` writes a folder of jobs that all machines see: what is made (`plan`), and the engine's file (`slurm`, `ray`,
-//! `kubernetes`). Every task of the engine calls `farm work`, which makes one shard and keeps a record of how it went
-//! (`work`). Where tasks run, and what is tried again, the engine decides. `status` reads the records and the shards'
-//! own lists (`status`); `merge` puts the shards together. `cost` says what all of it would take, by a `model` of it.
+//! `plan` writes a folder of jobs that all machines see: what is made (`plan`), and the engine's file
+//! (`slurm`, `kubernetes`, `ray_tasks.py`), which people hand to the engine themselves. Every task of the
+//! engine calls `farm work`, which makes one shard, and leaves a note where it fails (`work`). Where tasks
+//! run, and what is tried again, the engine decides. `status` looks for the shards; `merge` puts them
+//! together.
 
-mod cost;
 mod kubernetes;
-mod model;
 mod plan;
-mod ray;
-mod record;
 mod slurm;
 mod status;
-mod submit;
-mod words;
 mod work;
-
-pub use cost::{measured, program};
-pub use model::{Farm, Outcome, Parts};
 
 use crate::place::Place;
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
 use plan::Plan;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What to do with a farm.
 #[derive(clap::Subcommand)]
 pub enum Verb {
     /// Writes the job files for a recipe.
     Plan(plan::Args),
-    /// Hands the shards that are not made yet to the engine.
-    Submit(submit::Args),
-    /// Says which shards are made, which failed and why, and what they cost.
+    /// Says which shards are made, which failed and why, and how the rest is handed to the engine.
     Status(status::Args),
     /// Makes one shard; the engine's tasks call this.
     Work(work::Args),
     /// Puts the shards together.
     Merge(Merge),
-    /// Says what datasets would take on many machines: hours, cores, bytes, and what holds them up.
-    Cost(cost::Args),
 }
 
 /// Puts the shards of a farm together, once all are made.
@@ -71,22 +59,49 @@ pub enum Engine {
     Kubernetes,
 }
 
+/// Ray's script, which reads the plan beside it.
+const RAY_TASKS: &str = include_str!("farm/ray_tasks.py");
+
+impl Engine {
+    /// The engine's file in the folder of jobs: its name and text.
+    fn file(self, plan: &Plan, jobs: &Path) -> Result<(&'static str, String)> {
+        Ok(match self {
+            Self::Slurm => ("slurm.sh", slurm::script(plan, jobs)?),
+            Self::Ray => ("ray_tasks.py", RAY_TASKS.to_owned()),
+            Self::Kubernetes => ("kubernetes.json", kubernetes::job(plan, jobs)?),
+        })
+    }
+
+    /// The command that hands shards to the engine, at least one; all of them without numbers.
+    fn command(self, jobs: &Path, shards: &[usize]) -> String {
+        let jobs = jobs.display();
+        let numbers = shards.iter().map(ToString::to_string).collect::<Vec<_>>();
+        match self {
+            Self::Slurm if shards.is_empty() => format!("sbatch {jobs}/slurm.sh"),
+            Self::Slurm => format!("sbatch --array={} {jobs}/slurm.sh", numbers.join(",")),
+            Self::Ray => format!("python3 {jobs}/ray_tasks.py {}", numbers.join(" ")).trim_end().to_owned(),
+            Self::Kubernetes if shards.is_empty() => format!("kubectl apply -f {jobs}/kubernetes.json"),
+            // Indices whose shards are made end at once.
+            Self::Kubernetes => format!("kubectl replace --force -f {jobs}/kubernetes.json"),
+        }
+    }
+}
+
 /// Does it.
 ///
 /// # Errors
-/// If a recipe, a folder of jobs or the engine is at fault, or a shard cannot be made.
+/// If a recipe or a folder of jobs is at fault, or a shard is missing or cannot be made.
 pub fn run(verb: &Verb) -> Result<()> {
     match verb {
         Verb::Plan(args) => plan::run(args),
-        Verb::Submit(args) => submit::run(args),
         Verb::Status(args) => status::run(args),
         Verb::Work(args) => work::run(args),
-        Verb::Cost(args) => cost::run(args),
         Verb::Merge(args) => {
             let plan = Plan::load(&args.jobs)?;
             let missing = plan.missing()?;
-            ensure!(missing.is_empty(), "{}: shards are missing: {}", args.out, missing.join(", "));
-            let shards = plan.places().collect::<Vec<_>>();
+            let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
+            ensure!(missing.is_empty(), "{}: shards are missing: {}", args.out, names.join(", "));
+            let shards = plan.shards().map(|shard| plan.shard_place(shard)).collect::<Result<Vec<_>>>()?;
             crate::dataset::merge_places(&shards, &args.out, args.json.as_deref())
         }
     }

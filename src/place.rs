@@ -1,30 +1,21 @@
-//! Where data, runs and models are: a folder of this machine, or an address of an object store (`s3://bucket/path`,
-//! `gs://bucket/path`, `az://container/path`).
+//! Where data, runs and models are: a folder of this machine, or an address of an object store
+//! (`s3://bucket/path`, `gs://bucket/path`, `az://container/path`).
 //!
-//! Work is done in folders alone. What is read from an address is a copy in the user's cache folder, checked file by
-//! file, which stays as long as the [`Folder`] does; what is written to one is made in a folder there, which is nobody else's as long as
-//! the [`Work`] lives, and put into the store when it is whole (`store`).
+//! Work is done in folders alone. What is read from an address is a copy in the user's cache folder, checked
+//! file by file. What is written to one is made in a folder there, which is nobody else's as long as the
+//! [`Work`] lives, and put into the store when it is whole (`store`).
 
-mod folder;
-mod objects;
+mod work;
 
-pub use folder::{Folder, Work};
-pub use objects::Objects;
+pub use work::Work;
 
+use anyhow::Result;
 #[cfg(not(feature = "store"))]
 use anyhow::bail;
-use anyhow::{Context, Result};
-#[cfg(feature = "train")]
-use deepshade_dataset::Dataset;
-use deepshade_dataset::ShardFiles;
-#[cfg(feature = "train")]
-use deepshade_train::PairSource;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
-#[cfg(feature = "train")]
-use std::sync::Arc;
 
 #[cfg(feature = "store")]
 use crate::store;
@@ -136,15 +127,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Transfers under way at a time where they are what takes the time.
-pub const TRANSFERS: usize = 8;
-
 impl Place {
-    /// Whether it is a folder of this machine.
-    pub const fn is_folder(&self) -> bool {
-        matches!(self, Self::Folder(_))
-    }
-
     /// The folder of this machine that it is, if it is one.
     pub const fn folder_mut(&mut self) -> Option<&mut PathBuf> {
         match self {
@@ -167,61 +150,13 @@ impl Place {
     /// A folder with what is there, to be read.
     ///
     /// # Errors
-    /// If the store cannot be reached, or holds nothing there or something damaged. A folder is not looked at.
-    pub fn read(&self) -> Result<Folder> {
+    /// If the store cannot be reached, or holds nothing there or something damaged. A folder is not looked
+    /// at.
+    pub fn read(&self) -> Result<PathBuf> {
         match self {
-            Self::Folder(folder) => Ok(Folder::of(folder)),
+            Self::Folder(folder) => Ok(folder.clone()),
             #[cfg(feature = "store")]
             Self::Store(address) => store::read(address),
-            #[cfg(not(feature = "store"))]
-            Self::Store(address) => without_stores(address),
-        }
-    }
-
-    /// The pairs of a dataset that is there, and the folder of its manifest. From a store they are fetched as they are wanted.
-    ///
-    /// # Errors
-    /// If the store cannot be reached, or there is no dataset.
-    #[cfg(feature = "train")]
-    pub fn pairs(&self) -> Result<(Folder, Arc<dyn PairSource>)> {
-        match self {
-            Self::Folder(folder) => Ok((Folder::of(folder), Arc::new(Dataset::open(folder)?))),
-            #[cfg(feature = "store")]
-            Self::Store(address) => {
-                let stream = store::stream::Stream::open(address)?;
-                Ok((stream.folder(), Arc::new(stream)))
-            }
-            #[cfg(not(feature = "store"))]
-            Self::Store(address) => without_stores(address),
-        }
-    }
-
-    /// A shard of a dataset that is there. Of one in a store pairs are fetched as they are wanted.
-    ///
-    /// # Errors
-    /// If the store cannot be reached, or there is nothing.
-    pub fn shard(&self) -> Result<Box<dyn ShardFiles + Send>> {
-        match self {
-            Self::Folder(folder) => Ok(Box::new(folder.clone())),
-            #[cfg(feature = "store")]
-            Self::Store(address) => Ok(Box::new(store::Shard::open(address)?)),
-            #[cfg(not(feature = "store"))]
-            Self::Store(address) => without_stores(address),
-        }
-    }
-
-    /// The objects of an address, or the files of a folder, which is made where there is none.
-    ///
-    /// # Errors
-    /// If the folder cannot be made, or what the environment says of the store makes no sense.
-    pub fn objects(&self) -> Result<Box<dyn Objects>> {
-        match self {
-            Self::Folder(folder) => {
-                std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-                Ok(Box::new(folder.clone()))
-            }
-            #[cfg(feature = "store")]
-            Self::Store(address) => Ok(Box::new(store::Remote::open(address)?)),
             #[cfg(not(feature = "store"))]
             Self::Store(address) => without_stores(address),
         }
@@ -244,7 +179,8 @@ impl Place {
     /// A folder to write into, with what is there already. [`Work::finish`] puts it where it belongs.
     ///
     /// # Errors
-    /// If the store cannot be reached, what it holds there is damaged, or another program of this machine is at work on it.
+    /// If the store cannot be reached, what it holds there is damaged, or another program of this machine is
+    /// at work on it.
     pub fn begin(&self) -> Result<Work> {
         match self {
             Self::Folder(folder) => Ok(Work::Folder(folder.clone())),

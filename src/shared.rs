@@ -27,6 +27,7 @@ pub mod plot {
 
 /// Pictures of images and of differences.
 pub mod pictures {
+    pub use crate::render::picture::Exposure;
     pub use crate::report::colour_map::diverging;
     pub use crate::report::images::{painted, shown, write_png};
 }
@@ -44,7 +45,7 @@ pub mod methods {
 /// Networks as methods, and where they are.
 pub mod learned {
     pub use crate::engine::Engine;
-    pub use crate::learned::{Learned, is_network, usual_folder};
+    pub use crate::learned::{Learned, is_network, network, usual_folder};
 }
 
 /// What training takes by default.
@@ -59,14 +60,14 @@ pub mod stage {
     pub use crate::views::Viewpoint;
 }
 
-/// Folders and object stores.
-pub mod place {
-    pub use crate::place::{Objects, Place, TRANSFERS};
+/// What the web page shows.
+pub mod web {
+    pub use crate::web::showing::{Showing, Sight, Wish, scores};
 }
 
-/// How long a farm takes, by a simulation of it.
-pub mod farm {
-    pub use crate::farm::{Farm, Outcome, Parts, measured, program};
+/// Folders and object stores.
+pub mod place {
+    pub use crate::place::Place;
 }
 
 /// Rays a second, beside another library.

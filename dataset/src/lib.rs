@@ -51,7 +51,7 @@ pub use recipe::{Radius, Recipe};
 pub use scene::{SceneRecord, Subject};
 pub use sensor::Sensor;
 pub use shard::Shard;
-pub use shard::merge::{ShardFiles, merge};
+pub use shard::merge::merge;
 pub use stream::Stream;
 pub use target::TargetMethod;
 pub use testset::{TestFrame, TestSet};

@@ -1,16 +1,17 @@
-//! Locks on files that whoever holds the lock may delete: a journal goes when its job is done, a note when its folder is free.
+//! Locks on files that whoever holds the lock may delete: a journal goes when its job is done, a note when
+//! its folder is free.
 //!
-//! Between opening and locking such a file another program may delete it and let go of it. The lock is then on a file that has
-//! no name any more, and whoever comes next makes another and locks that. So a lock counts only if the file is still the one at
-//! its path.
+//! Between opening and locking such a file another program may delete it and let go of it. The lock is then
+//! on a file that has no name any more, and whoever comes next makes another and locks that. So a lock counts
+//! only if the file is still the one at its path.
 
 use same_file::Handle;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
-/// Opens a file for reading and appending, makes it where there is none, and locks it for this program alone; `None` if
-/// another program holds it. The lock goes with the file that is given.
+/// Opens a file for reading and appending, makes it where there is none, and locks it for this program alone;
+/// `None` if another program holds it. The lock goes with the file that is given.
 ///
 /// # Errors
 /// If it cannot be opened, or locks cannot be had there.
@@ -22,32 +23,6 @@ pub fn alone(path: &Path) -> Result<Option<File>> {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => return Ok(None),
             Err(TryLockError::Error(error)) => return Err(error),
-        }
-    }
-}
-
-/// As [`alone`], but waits for as long as another program holds it.
-///
-/// # Errors
-/// As [`alone`].
-pub fn waiting(path: &Path) -> Result<File> {
-    locked(path, File::lock)
-}
-
-/// As [`waiting`], with others that only share it, too.
-///
-/// # Errors
-/// As [`alone`].
-pub fn shared(path: &Path) -> Result<File> {
-    locked(path, File::lock_shared)
-}
-
-fn locked(path: &Path, lock: impl Fn(&File) -> Result<()>) -> Result<File> {
-    loop {
-        let file = open(path)?;
-        lock(&file)?;
-        if is_at(&file, path)? {
-            return Ok(file);
         }
     }
 }
@@ -75,10 +50,7 @@ mod tests {
         let held = alone(&path).expect("opened");
         assert!(held.is_some() && alone(&path).expect("opened").is_none());
         drop(held);
-        let (one, other) = (shared(&path).expect("shared"), shared(&path).expect("shared"));
-        assert!(alone(&path).expect("opened").is_none());
-        drop((one, other));
-        waiting(&path).expect("free");
+        assert!(alone(&path).expect("opened").is_some(), "free");
         assert!(alone(&folder.path().join("missing/lock")).is_err());
     }
 
@@ -103,8 +75,8 @@ mod tests {
         std::thread::scope(|scope| {
             for _ in 0..4 {
                 scope.spawn(|| {
-                    for _ in 0..500 {
-                        let lock = waiting(&path).expect("locked");
+                    for _ in 0..5000 {
+                        let Some(lock) = alone(&path).expect("opened") else { continue };
                         assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0, "two at once");
                         std::thread::yield_now();
                         inside.fetch_sub(1, Ordering::SeqCst);

@@ -1,9 +1,9 @@
-//! Parts of a dataset that are made apart, on whatever machines and in whatever order: `shard-2-of-5.json` lists the pairs
-//! of one, [`merge()`](merge::merge) puts them together to the bytes of a dataset that one run makes.
+//! Parts of a dataset that are made apart, on whatever machines and in whatever order: `shard-2-of-5.json`
+//! lists the pairs of one, [`merge()`](merge::merge) puts them together to the bytes of a dataset that one
+//! run makes.
 
 pub mod merge;
 
-use crate::journal::JOURNAL;
 use crate::manifest::MANIFEST;
 use crate::plan::PlannedScene;
 use serde::{Deserialize, Serialize};
@@ -41,7 +41,8 @@ impl Shard {
         format!("shard-{}-of-{}.json", self.number, self.count)
     }
 
-    /// Its scenes and views of a plan: views that follow each other, so that few scenes are in more than one shard.
+    /// Its scenes and views of a plan: views that follow each other, so that few scenes are in more than one
+    /// shard.
     pub(crate) fn of(self, plan: Vec<PlannedScene>) -> Vec<PlannedScene> {
         let total: usize = plan.iter().map(|scene| scene.views.len()).sum();
         let own = self.places(total);
@@ -118,14 +119,6 @@ impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}/{}", self.number, self.count)
     }
-}
-
-/// Pairs that a dataset or shard in a folder has so far, by its journal, which is believed: for whoever wants to know how
-/// far it is.
-pub fn pairs_so_far(folder: &Path) -> usize {
-    let lines = std::fs::read(folder.join(JOURNAL)).unwrap_or_default();
-    // The first line says what is made.
-    lines.iter().filter(|byte| **byte == b'\n').count().saturating_sub(1)
 }
 
 #[cfg(test)]

@@ -7,13 +7,13 @@ use super::values::MethodChoice;
 use crate::eval::rivals::{Rival, rivals};
 use crate::learned;
 use crate::methods::{self, LEARNED, Runs, TRUTH};
-use crate::place::{Folder, Place};
+use crate::place::Place;
 use anyhow::{Result, ensure};
 use deepshade_infer::{Model, NetSpec, Reach, TrainedUnder};
 use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, GBuffer};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A method that takes part.
 pub struct Contestant {
@@ -42,7 +42,7 @@ pub struct Contest {
 /// A network, and where it is from.
 struct Network {
     place: Place,
-    folder: Folder,
+    folder: PathBuf,
     model: Model,
 }
 

@@ -58,8 +58,7 @@ pub fn run(args: &Args) -> Result<()> {
         let effect = model.spec.effect;
         let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
         let (weights, target) = (model.spec.weight_count(), target(&sets).to_owned());
-        let contest =
-            Contest { effect, network: Some((figure_name(&folder), model)), sets, _kept: Vec::new() };
+        let contest = Contest { effect, network: Some((figure_name(&folder), model)), sets };
         let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
         let row = Row {
             published: published(&name),

@@ -1,15 +1,14 @@
-//! Kubernetes: an indexed job (batch/v1, `completionMode: Indexed`) with one index for each shard, as a file for kubectl.
+//! Kubernetes: an indexed job (batch/v1, `completionMode: Indexed`) with one index for each shard, as a file
+//! for kubectl.
 //!
-//! A volume that all pods share is at the folder of jobs: the claim `deepshade`, or another one once the file is edited. Credentials of
-//! a store come from the secret `deepshade`, if there is one: each of its keys is a variable of the environment.
+//! A volume that all pods share is at the folder of jobs: the claim `deepshade`, or another one once the file
+//! is edited. Credentials of a store come from the secret `deepshade`, if there is one: each of its keys is a
+//! variable of the environment.
 
 use super::plan::Plan;
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
-
-/// The job, in the folder of jobs: JSON, which kubectl reads as it reads YAML.
-pub const FILE: &str = "kubernetes.json";
 
 /// Name of the volume's claim and of the secret.
 const NAME: &str = "deepshade";
@@ -17,8 +16,8 @@ const NAME: &str = "deepshade";
 /// Pods at a time, at most; an autoscaler adds nodes for those that find none.
 const AT_ONCE: u32 = 1000;
 
-/// The job. A shard that always fails uses up its own retries and nobody else's; a pod that takes more than its time is ended,
-/// which counts as one of them.
+/// The job, as JSON, which kubectl reads as it reads YAML. A shard that always fails uses up its own retries
+/// and nobody else's; a pod that takes more than its time is ended, which counts as one of them.
 ///
 /// # Errors
 /// If a path is no text.

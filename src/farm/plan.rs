@@ -1,14 +1,12 @@
 //! What a farm makes: written once, read by every task.
 
-use super::record::Record;
-use super::{Engine, kubernetes, ray, slurm};
+use super::Engine;
 use crate::figures::{Figures, write_atomically};
-use crate::place::{self, Place};
+use crate::place::Place;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::{Recipe, Shard};
-use rayon::{ThreadPoolBuilder, prelude::*};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::{HashMap, HashSet};
 use std::path::{Component, Path, PathBuf};
 
 /// The plan's file in the folder of jobs.
@@ -21,12 +19,15 @@ const VERSION: u32 = 1;
 /// Writes the job files for a recipe.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  deepshade farm plan dataset/recipes/ao.toml --out /shared/ao --shards 200 --engine slurm --jobs /shared/jobs/ao\n  \
-    deepshade farm submit /shared/jobs/ao\n  deepshade farm status /shared/jobs/ao\n  \
-    deepshade farm merge /shared/jobs/ao --out data/ao\n\n\
-    All machines must see the recipe, the program and the folder of jobs under the same paths; shards may be in an object \
-    store. With Kubernetes `deepshade farm plan` names the `kubectl` command that takes the place of `submit`, and shards must be \
-    below the folder of jobs or in a store, since pods have one volume, at that folder: a ReadWriteMany claim, `deepshade`. \
+    after_help = "Example:\n  deepshade farm plan dataset/recipes/ao.toml --out /shared/ao --shards 200 \
+    --engine slurm --jobs /shared/jobs/ao\n  sbatch /shared/jobs/ao/slurm.sh\n  \
+    deepshade farm status /shared/jobs/ao\n  deepshade farm merge /shared/jobs/ao --out data/ao\n\n\
+    It names the command that hands the shards to the engine. All machines must see the recipe, the program \
+    and the \
+    folder of jobs under the same paths; shards may be in an object store. With Kubernetes they must be \
+    below the \
+    folder of jobs or in a store, since pods have one volume, at that folder: a ReadWriteMany claim, \
+    `deepshade`. \
     Tasks that fail or are killed are tried again by the engine and go on where they were."
 )]
 pub struct Args {
@@ -50,16 +51,19 @@ pub struct Args {
     /// Threads of a task.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     cores: u32,
-    /// Minutes after which a task is taken for stuck, and tried again; Slurm is asked for two more, which its partition must allow.
+    /// Minutes after which a task is taken for stuck, and tried again; Slurm is asked for two more, which its
+    /// partition must allow.
     #[arg(long, default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     minutes: u32,
     /// How often a task is tried again.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=100))]
     retries: u32,
-    /// The program on the machines that work; by default this one, with Kubernetes `deepshade` as the image finds it.
+    /// The program on the machines that work; by default this one, with Kubernetes `deepshade` as the image
+    /// finds it.
     #[arg(long)]
     program: Option<PathBuf>,
-    /// Image of the container that Kubernetes runs, which has the program and the recipe; needed with that engine.
+    /// Image of the container that Kubernetes runs, which has the program and the recipe; needed with that
+    /// engine.
     #[arg(long)]
     image: Option<String>,
     /// Writes the figures here as JSON.
@@ -135,11 +139,6 @@ impl Plan {
         (1..=count).filter_map(move |number| format!("{number}/{count}").parse().ok())
     }
 
-    /// The place of each shard.
-    pub fn places(&self) -> impl Iterator<Item = Place> {
-        self.shards().filter_map(|shard| self.shard_place(shard).ok())
-    }
-
     /// Where a shard is.
     ///
     /// # Errors
@@ -148,40 +147,17 @@ impl Plan {
         Ok(self.place()?.join(&format!("shard-{}-of-{}", shard.number(), shard.count())))
     }
 
-    /// Numbers of the shards that were made, by their records, and are where they belong.
+    /// Shards that are not where they belong, or not whole, in their order.
     ///
     /// # Errors
     /// If their place cannot be looked at.
-    pub fn there(&self, records: &HashMap<usize, Record>) -> Result<HashSet<usize>> {
-        let made = |shard: &Shard| records.get(&shard.number()).is_some_and(|record| record.made().is_some());
-        let made: Vec<Shard> = self.shards().filter(made).collect();
-        let is_there = |shard: &Shard| match self
-            .shard_place(*shard)
-            .and_then(|place| place.holds(&shard.file_name()))
-        {
-            Ok(holds) => holds.then_some(Ok(shard.number())),
-            Err(error) => Some(Err(error)),
-        };
-        at_once(|| made.par_iter().filter_map(is_there).collect())
-    }
-
-    /// Shards of which nothing is where they belong, as people write them. What is there by halves is not among them.
-    ///
-    /// # Errors
-    /// If their place cannot be looked at.
-    pub fn missing(&self) -> Result<Vec<String>> {
+    pub fn missing(&self) -> Result<Vec<Shard>> {
         let shards: Vec<Shard> = self.shards().collect();
-        let is_missing = |shard: &Shard| -> Result<bool> {
-            Ok(match self.shard_place(*shard)? {
-                Place::Folder(folder) => !folder.exists(),
-                place => !place.holds(&shard.file_name())?,
-            })
+        let missing = |shard: &Shard| -> Result<Option<Shard>> {
+            let there = self.shard_place(*shard)?.holds(&shard.file_name())?;
+            Ok((!there).then_some(*shard))
         };
-        let missing = |shard: &Shard| match is_missing(shard) {
-            Ok(missing) => missing.then(|| Ok(shard.to_string())),
-            Err(error) => Some(Err(error)),
-        };
-        at_once(|| shards.par_iter().filter_map(missing).collect())
+        shards.par_iter().filter_map(|shard| missing(shard).transpose()).collect()
     }
 
     fn place(&self) -> Result<Place> {
@@ -194,12 +170,6 @@ impl Plan {
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         format!("deepshade-{}", stem.chars().map(plain).collect::<String>().trim_matches('-'))
     }
-}
-
-/// Does what asks a store once a shard, which takes its time.
-fn at_once<T: Send>(work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
-    let pool = ThreadPoolBuilder::new().num_threads(place::TRANSFERS).build().context("threads")?;
-    pool.install(work)
 }
 
 /// Writes the plan and the engine's file.
@@ -217,11 +187,7 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(below) = below {
         plan.out = jobs.join(below).display().to_string();
     }
-    let (name, text) = match plan.engine {
-        Engine::Slurm => (slurm::FILE, slurm::script(&plan, &jobs)?),
-        Engine::Ray => (ray::FILE, ray::SCRIPT.to_owned()),
-        Engine::Kubernetes => (kubernetes::FILE, kubernetes::job(&plan, &jobs)?),
-    };
+    let (name, text) = plan.engine.file(&plan, &jobs)?;
     write_atomically(&jobs.join(name), text.as_bytes())?;
     std::fs::create_dir_all(jobs.join(LOGS)).with_context(|| jobs.display().to_string())?;
     // The plan last: what has one is whole.
@@ -233,10 +199,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("shards", plan.shards.into());
     figures.set("pairs", plan.pairs as f64);
     figures.write(args.json.as_deref())?;
-    let next = match plan.engine {
-        Engine::Kubernetes => format!("kubectl apply -f {}", jobs.join(name).display()),
-        _ => format!("deepshade farm submit {}", jobs.display()),
-    };
+    let next = plan.engine.command(&jobs, &[]);
     say!("{} pairs in {} shards; next: {next}", plan.pairs, plan.shards)
 }
 
@@ -249,7 +212,8 @@ pub(super) fn in_volume(out: &Path, jobs: &Path) -> Result<PathBuf> {
     let below = whole(out)?.strip_prefix(whole(jobs)?).map(Path::to_owned).ok();
     below.filter(|way| way.components().all(|part| matches!(part, Component::Normal(_)))).with_context(|| {
         format!(
-            "--out {}: Kubernetes' pods have their volume at the folder of jobs alone: a folder below {}, such as {}, or an \
+            "--out {}: Kubernetes' pods have their volume at the folder of jobs alone: a folder below {}, \
+            such as {}, or an \
              address of a store keeps what they make",
             out.display(),
             jobs.display(),
@@ -261,7 +225,8 @@ pub(super) fn in_volume(out: &Path, jobs: &Path) -> Result<PathBuf> {
 fn planned(args: &Args) -> Result<Plan> {
     ensure!(
         args.engine != Engine::Kubernetes || args.image.is_some(),
-        "--engine kubernetes needs --image, the container image that pods run, which has the program and the recipe: \
+        "--engine kubernetes needs --image, the container image that pods run, which has the program and the \
+        recipe: \
          --image registry/deepshade:1"
     );
     let whole = |path: &Path| path.canonicalize().with_context(|| path.display().to_string());

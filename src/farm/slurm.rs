@@ -1,39 +1,17 @@
 //! Slurm: one task of a job array for each shard (sbatch(1), `--array`, `--requeue`).
 
 use super::plan::{LOGS, Plan};
-use super::submit::output;
 use anyhow::{Context, Result};
-use std::collections::HashSet;
 use std::path::Path;
-use std::process::Command;
 
-/// The batch script, in the folder of jobs.
-pub const FILE: &str = "slurm.sh";
-
-/// Seconds before the end of its time at which a task is told, and puts itself back. Slurm may tell it up to a minute earlier.
+/// Seconds before the end of its time at which a task is told, and puts itself back. Slurm may tell it up to
+/// a minute earlier.
 const WARNING: u32 = 30;
 /// Minutes of that time beside the task's own, which are over when it is told.
 const BEYOND: u32 = 2;
 
-/// Shards that Slurm has still to do or does just now: those of its tasks whose script is the one in that folder (squeue(1)).
-///
-/// # Errors
-/// If Slurm is not there or does not say.
-pub fn queued(jobs: &Path) -> Result<HashSet<usize>> {
-    let script = jobs.join(FILE);
-    let tasks = output(Command::new("squeue").args(["--noheader", "--array", "--format=%K %o"]))?;
-    Ok(shards_of(&tasks, &script))
-}
-
-/// Numbers of the tasks, one a line with its script, that are of a script.
-pub(super) fn shards_of(tasks: &str, script: &Path) -> HashSet<usize> {
-    let script = script.to_string_lossy();
-    let tasks = tasks.lines().filter_map(|line| line.trim().split_once(' '));
-    tasks.filter(|(_, of)| of.trim() == script).filter_map(|(shard, _)| shard.parse().ok()).collect()
-}
-
-/// The batch script. Tasks whose node is lost Slurm puts back by itself. One that takes more than its time Slurm would end for good,
-/// so it is told before, and puts itself back, as one that fails does.
+/// The batch script. Tasks whose node is lost Slurm puts back by itself. One that takes more than its time
+/// Slurm would end for good, so it is told before, and puts itself back, as one that fails does.
 ///
 /// # Errors
 /// If a path cannot be written into a script.
@@ -47,7 +25,7 @@ pub fn script(plan: &Plan, jobs: &Path) -> Result<String> {
     let log = text(&jobs.join(LOGS))?.replace('\\', "\\\\").replace('%', "%%");
     Ok(format!(
         "#!/bin/bash
-# Shards of {name}, written by `deepshade farm plan`; `deepshade farm submit` submits those that are not made yet.
+# Shards of {name}, written by `deepshade farm plan`.
 #SBATCH --job-name={name}
 #SBATCH --array=1-{shards}
 #SBATCH --ntasks=1

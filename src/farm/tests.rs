@@ -1,8 +1,5 @@
 use super::plan::Plan;
-use super::record::{End, Entry, Try};
-use super::status::Progress;
-use super::submit::{ranges, waiting};
-use super::{Engine, kubernetes, ray, slurm};
+use super::{Engine, RAY_TASKS, kubernetes, slurm};
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
@@ -60,7 +57,8 @@ enum Signal {
     AtWork,
 }
 
-/// Runs a task's script with a program and a Slurm of a few lines of shell; gives its code and what it asked of Slurm.
+/// Runs a task's script with a program and a Slurm of a few lines of shell; gives its code and what it asked
+/// of Slurm.
 #[cfg(unix)]
 fn task(work: &str, restarts: u32, signal: Signal) -> (Option<i32>, String) {
     use std::os::unix::fs::PermissionsExt;
@@ -114,20 +112,9 @@ fn a_task_of_slurm_puts_itself_back_where_it_fails_or_its_time_is_up() {
 }
 
 #[test]
-fn slurm_is_asked_for_tasks_of_the_same_script() {
-    let said = "3 /jobs/ao/slurm.sh\n12 /jobs/ao/slurm.sh\n4 /jobs/ao2/slurm.sh\nN/A /jobs/ao/slurm.sh\n7 (null)\n\n";
-    let mut shards: Vec<_> = slurm::shards_of(said, Path::new("/jobs/ao/slurm.sh")).into_iter().collect();
-    shards.sort_unstable();
-    assert_eq!(shards, [3, 12]);
-    assert!(
-        slurm::shards_of("5 /jobs/with space/slurm.sh", Path::new("/jobs/with space/slurm.sh")).contains(&5)
-    );
-}
-
-#[test]
 fn rays_script_is_one_that_python_reads() {
     let check = "import ast, sys; ast.parse(sys.stdin.read())";
-    assert_ne!(read_by("python3", &["-c", check], ray::SCRIPT), Some(false));
+    assert_ne!(read_by("python3", &["-c", check], RAY_TASKS), Some(false));
 }
 
 #[test]
@@ -166,48 +153,11 @@ fn kubernetes_shards_are_where_its_volume_is() {
 }
 
 #[test]
-fn numbers_are_written_as_ranges() {
-    assert_eq!(ranges(&[1, 2, 3, 7, 9, 10]), "1-3,7,9-10");
-    assert_eq!(ranges(&[4]), "4");
-}
-
-#[test]
-fn progress_is_what_records_say_of_what_is_there() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let jobs = folder.path().join("jobs");
-    let out = folder.path().join("out").display().to_string();
-    let mut plan = plan(Engine::Slurm);
-    plan.out = out;
-    let shards: Vec<_> = plan.shards().collect();
-    let failed = || End::Failed { error: "no light".to_owned() };
-    let made = || End::Made { rendered: 5, pairs: 8, bytes: 100 };
-    for (shard, tries) in [
-        // Two tasks at once, of which the second finds the shard in use and fails later.
-        (0, vec![Some(failed()), None, Some(made()), Some(failed())]),
-        (1, vec![Some(failed())]),
-        (2, vec![Some(failed()), None]),
-        (3, vec![Some(made())]),
-    ] {
-        for (number, end) in tries.into_iter().enumerate() {
-            let one = Try { worker: "process 1".to_owned(), began: number as f64, seconds: 900.0, end };
-            let path = jobs.join(format!("records/{}-{number}-x.json", shard + 1));
-            let text = serde_json::to_string(&one).expect("JSON");
-            crate::figures::write_atomically(&path, text.as_bytes()).expect("written");
-        }
-    }
-    let list = folder.path().join("out/shard-1-of-12").join(shards[0].file_name());
-    crate::figures::write_atomically(&list, b"{}").expect("written");
-    let progress = Progress::of(&plan, &jobs).expect("read");
-    assert_eq!((progress.made, progress.tries, progress.pairs, progress.rendered), (1, 8, 8, 10));
-    assert_eq!(progress.failed, [(shards[1], "no light".to_owned())]);
-    assert_eq!((&progress.begun[..], &progress.gone[..]), (&shards[2..3], &shards[3..4]));
-    assert!((progress.hours - 2.0).abs() < 1e-9, "killed ones count: {}", progress.hours);
-
-    // What was made and is gone is submitted, and what is there where it is asked for.
-    let rest: Vec<usize> = (2..=12).collect();
-    assert_eq!(waiting(&plan, &jobs, &[]).expect("read"), rest);
-    assert_eq!(waiting(&plan, &jobs, &[1]).expect("read").first(), Some(&1));
-    assert!(waiting(&plan, &jobs, &[13]).is_err());
-    drop(Entry::begin(&jobs, shards[4]).expect("begun"));
-    assert_eq!(Progress::of(&plan, &jobs).expect("read").begun, [shards[2], shards[4]]);
+fn missing_shards_are_handed_to_the_engine_by_its_own_command() {
+    let said = |engine: Engine, shards: &[usize]| engine.command(Path::new("/jobs"), shards);
+    assert_eq!(said(Engine::Slurm, &[]), "sbatch /jobs/slurm.sh");
+    assert_eq!(said(Engine::Slurm, &[2, 5]), "sbatch --array=2,5 /jobs/slurm.sh");
+    assert_eq!(said(Engine::Ray, &[]), "python3 /jobs/ray_tasks.py");
+    assert_eq!(said(Engine::Ray, &[2, 5]), "python3 /jobs/ray_tasks.py 2 5");
+    assert_eq!(said(Engine::Kubernetes, &[2]), "kubectl replace --force -f /jobs/kubernetes.json");
 }

@@ -1,10 +1,11 @@
 //! `deepshade farm work`: one shard, made by a task of the engine.
 
 use super::plan::Plan;
-use super::record::{End, Entry};
+use crate::figures::write_atomically;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Shard, Summary};
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 /// Makes one shard of a farm; the engine's tasks call this.
 #[derive(clap::Args)]
@@ -18,7 +19,7 @@ pub struct Args {
     shard: u32,
 }
 
-/// Makes it.
+/// Makes it, and notes why where that fails.
 ///
 /// # Errors
 /// If the recipe has changed or cannot be followed, or the shard is in use or cannot be written.
@@ -26,20 +27,12 @@ pub fn run(args: &Args) -> Result<()> {
     end_with_parent();
     let plan = Plan::load(&args.jobs)?;
     let shard: Shard = format!("{}/{}", args.shard, plan.shards).parse().map_err(anyhow::Error::msg)?;
-    let entry = Entry::begin(&args.jobs, shard)?;
-    let made = make(&plan, shard);
-    let seconds = entry.end(match &made {
-        Ok(Summary { pairs, rendered, bytes }) => {
-            End::Made { rendered: *rendered, pairs: *pairs, bytes: *bytes }
-        }
-        Err(error) => End::Failed { error: crate::output::message(error) },
-    })?;
-    let summary = made.with_context(|| format!("shard {shard}"))?;
-    say!(
-        "shard {shard}: {} pairs, {} of them rendered now in {seconds:.0} s",
-        summary.pairs,
-        summary.rendered
-    )
+    let made = make(&plan, shard).with_context(|| format!("shard {shard}"));
+    if let Err(error) = &made {
+        write_atomically(&note(&args.jobs, shard), crate::output::message(error).as_bytes())?;
+    }
+    let Summary { pairs, rendered, .. } = made?;
+    say!("shard {shard}: {pairs} pairs, {rendered} of them rendered now")
 }
 
 fn make(plan: &Plan, shard: Shard) -> Result<Summary> {
@@ -49,7 +42,26 @@ fn make(plan: &Plan, shard: Shard) -> Result<Summary> {
     Ok(summary)
 }
 
-/// Where an engine kills its task, what the task has started goes, too: it would hold the shard that is tried again elsewhere.
+/// The note of why a shard failed.
+fn note(jobs: &Path, shard: Shard) -> PathBuf {
+    jobs.join("failed").join(format!("{}.txt", shard.number()))
+}
+
+/// Why a shard, which is not there, failed the last time; `None` if it did not.
+///
+/// # Errors
+/// If that cannot be read.
+pub fn failure(jobs: &Path, shard: Shard) -> Result<Option<String>> {
+    let path = note(jobs, shard);
+    match std::fs::read_to_string(&path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error).with_context(|| path.display().to_string()),
+    }
+}
+
+/// Where an engine kills its task, what the task has started goes, too: it would hold the shard that is tried
+/// again elsewhere.
 fn end_with_parent() {
     #[cfg(target_os = "linux")]
     // Where that is refused, the shard's lock still keeps others away.

@@ -1,6 +1,7 @@
-//! The list of what is at an address: names, sizes and hashes of all files, written when all of them are there.
+//! The list of what is at an address: names, sizes and hashes of all files, written when all of them are
+//! there.
 
-use super::remote::{Remote, Version, Written};
+use super::remote::{Remote, Version};
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_shaders::atomic_file::TEMPORARY_PREFIX;
 use rayon::prelude::*;
@@ -38,29 +39,22 @@ pub struct Stored {
     pub blake3: String,
 }
 
-/// What came of writing a list.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Published {
-    /// It is there.
-    Done,
-    /// Somebody else's is there.
-    Other,
-}
-
 impl Stored {
     /// The object that holds it.
     pub fn object(&self) -> String {
         format!("objects/{}", self.blake3)
     }
 
-    /// Whether bytes are its own: the list may have been written by anybody, and its sizes are relied upon, too.
+    /// Whether bytes are its own: the list may have been written by anybody, and its sizes are relied upon,
+    /// too.
     pub fn is(&self, bytes: &[u8]) -> bool {
         bytes.len() as u64 == self.bytes && hash(bytes) == self.blake3
     }
 }
 
 impl Commit {
-    /// The list at an address, with its own hash and what tells its object from later ones; `None` where there is none.
+    /// The list at an address, with its own hash and what tells its object from later ones; `None` where
+    /// there is none.
     ///
     /// # Errors
     /// If the store cannot be reached, or what lies there is no such list.
@@ -109,32 +103,18 @@ impl Commit {
         Ok(Self { version: VERSION, files })
     }
 
-    /// Writes the list, in place of an earlier one or of none. All objects have to be there.
+    /// Writes the list, in place of an earlier one or of none; whether it is there, and not somebody else's.
+    /// All objects have to be there.
     ///
     /// # Errors
     /// If the store cannot be reached or refuses it.
-    pub fn publish(&self, remote: &Remote, earlier: Option<(&str, &Version)>) -> Result<Published> {
-        // Another that made the same is no other; neither is an answer that was lost, after which it is sent again.
-        let there = || Ok::<_, anyhow::Error>(Self::at(remote)?.map(|(_, hash, _)| hash));
-        let ours = self.hash()?;
-        Ok(match remote.replace(NAME, self.text()?, earlier.map(|(_, version)| version))? {
-            Written::Done => Published::Done,
-            Written::Other if there()?.as_ref() == Some(&ours) => Published::Done,
-            Written::Other => Published::Other,
-            Written::Unable => {
-                note!(
-                    "{}: this store has no conditional writes, so that whoever else writes there at this very moment is not \
-                     noticed",
-                    remote.name(NAME)
-                );
-                let there = there()?;
-                if there.as_ref() != Some(&ours) && there.as_deref() != earlier.map(|(hash, _)| hash) {
-                    return Ok(Published::Other);
-                }
-                remote.put(NAME, self.text()?)?;
-                Published::Done
-            }
-        })
+    pub fn publish(&self, remote: &Remote, earlier: Option<&Version>) -> Result<bool> {
+        if remote.replace(NAME, self.text()?, earlier)? {
+            return Ok(true);
+        }
+        // Another that made the same is no other; neither is an answer that was lost, after which it is sent
+        // again.
+        Ok(Self::at(remote)?.is_some_and(|(there, ..)| there == *self))
     }
 
     /// The list as it is written.
@@ -148,11 +128,6 @@ impl Commit {
     /// If it cannot be written down.
     pub fn hash(&self) -> Result<String> {
         Ok(hash(&self.text()?))
-    }
-
-    /// Bytes of all files.
-    pub fn bytes(&self) -> u64 {
-        self.files.iter().map(|file| file.bytes).fold(0, u64::saturating_add)
     }
 }
 
@@ -230,7 +205,7 @@ mod tests {
         let commit = Commit::of(folder.path()).expect("listed");
         let names: Vec<&str> = commit.files.iter().map(|file| file.name.as_str()).collect();
         assert_eq!(names, ["b", "pairs/a"]);
-        assert_eq!((commit.files[1].blake3.clone(), commit.bytes()), (hash(b"pairs/a"), 8));
+        assert_eq!((commit.files[1].blake3.clone(), commit.files[1].bytes), (hash(b"pairs/a"), 7));
         assert!(Commit::of(&folder.path().join("gone")).is_err());
     }
 }

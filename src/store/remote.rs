@@ -1,28 +1,22 @@
 //! One address of an object store, object by object.
 
-use crate::place::{Address, Kind, Objects};
+use crate::place::{Address, Kind};
 use anyhow::{Context, Result, anyhow, bail};
 use object_store::aws::{AmazonS3Builder, Checksum};
 use object_store::azure::MicrosoftAzureBuilder;
 use object_store::gcp::GoogleCloudStorageBuilder;
 use object_store::path::Path;
-use object_store::{ClientOptions, Error, ObjectStore, ObjectStoreExt, PutMode, RetryConfig, UpdateVersion};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use object_store::{ClientOptions, Error, ObjectStore, ObjectStoreExt, PutMode, UpdateVersion};
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use tokio::runtime::{Builder, Runtime};
 
-/// A request that fails for a reason that may pass is sent again so often, for so long.
-const TRIES: usize = 8;
-const PATIENCE: Duration = Duration::from_mins(3);
 /// The longest that one request may take: an object on a slow line.
 const SLOWEST: Duration = Duration::from_mins(5);
 
 /// What all transfers run on.
 static RUNTIME: LazyLock<std::io::Result<Runtime>> =
     LazyLock::new(|| Builder::new_multi_thread().worker_threads(1).enable_all().build());
-
-/// A bucket's client.
-type Client = (Kind, String, Arc<dyn ObjectStore>);
 
 /// A store below an address.
 pub struct Remote {
@@ -35,37 +29,13 @@ pub struct Remote {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Version(UpdateVersion);
 
-/// What came of a write that must not take the place of somebody else's.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Written {
-    /// It is there.
-    Done,
-    /// Somebody else's is there, and stays.
-    Other,
-    /// The store cannot tell, and nothing was written.
-    Unable,
-}
-
 impl Remote {
     /// Nothing is sent before the first object is asked for.
     ///
     /// # Errors
     /// If what the environment says of the store makes no sense.
     pub fn open(address: &Address) -> Result<Self> {
-        // One client a bucket: connections are used again, by however many addresses.
-        static CLIENTS: Mutex<Vec<Client>> = Mutex::new(Vec::new());
-        let mut clients = CLIENTS.lock().unwrap_or_else(PoisonError::into_inner);
-        let known =
-            clients.iter().find(|(kind, bucket, _)| (*kind, bucket) == (address.kind, &address.bucket));
-        let objects = match known {
-            Some((.., objects)) => Arc::clone(objects),
-            None => {
-                let objects = client(address).with_context(|| address.to_string())?;
-                clients.push((address.kind, address.bucket.clone(), Arc::clone(&objects)));
-                objects
-            }
-        };
-        Self::on(objects, address)
+        Self::on(client(address).with_context(|| address.to_string())?, address)
     }
 
     /// The objects of a store below an address.
@@ -87,21 +57,19 @@ impl Remote {
         self.runtime.block_on(put).map(drop).with_context(|| self.name(name))
     }
 
-    /// Writes an object in place of an earlier one, or of none, if that is what is there; whole or not at all.
+    /// Writes an object in place of an earlier one, or of none, whole; `false` where something else is there.
     ///
     /// # Errors
     /// If the store cannot be reached or refuses it.
-    pub fn replace(&self, name: &str, bytes: Vec<u8>, earlier: Option<&Version>) -> Result<Written> {
+    pub fn replace(&self, name: &str, bytes: Vec<u8>, earlier: Option<&Version>) -> Result<bool> {
         let mode = match earlier {
             None => PutMode::Create,
-            Some(Version(UpdateVersion { e_tag: None, version: None })) => return Ok(Written::Unable),
             Some(Version(version)) => PutMode::Update(version.clone()),
         };
         let path = self.path(name);
         match self.runtime.block_on(self.objects.put_opts(&path, bytes.into(), mode.into())) {
-            Ok(_) => Ok(Written::Done),
-            Err(Error::AlreadyExists { .. } | Error::Precondition { .. }) => Ok(Written::Other),
-            Err(Error::NotImplemented { .. } | Error::NotSupported { .. }) => Ok(Written::Unable),
+            Ok(_) => Ok(true),
+            Err(Error::AlreadyExists { .. } | Error::Precondition { .. }) => Ok(false),
             Err(error) => Err(error).with_context(|| self.name(name)),
         }
     }
@@ -160,23 +128,7 @@ impl Remote {
     }
 }
 
-impl Objects for Remote {
-    fn put(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
-        Self::put(self, name, bytes)
-    }
-
-    fn get(&self, name: &str, most: u64) -> Result<Option<Vec<u8>>> {
-        Self::get(self, name, most)
-    }
-
-    fn delete(&self, name: &str) -> Result<()> {
-        let path = self.path(name);
-        self.runtime.block_on(self.objects.delete(&path)).with_context(|| self.name(name))
-    }
-}
-
 fn client(address: &Address) -> object_store::Result<Arc<dyn ObjectStore>> {
-    let retry = RetryConfig { max_retries: TRIES, retry_timeout: PATIENCE, ..RetryConfig::default() };
     // Without encryption only where the environment allows it, as it does for servers of one's own.
     let plain = ["AWS_ALLOW_HTTP", "GOOGLE_ALLOW_HTTP", "AZURE_ALLOW_HTTP"]
         .iter()
@@ -189,21 +141,18 @@ fn client(address: &Address) -> object_store::Result<Arc<dyn ObjectStore>> {
                 .with_bucket_name(bucket)
                 .with_checksum_algorithm(Checksum::SHA256)
                 .with_client_options(options)
-                .with_retry(retry)
                 .build()?,
         ),
         Kind::Gcs => Arc::new(
             GoogleCloudStorageBuilder::from_env()
                 .with_bucket_name(bucket)
                 .with_client_options(options)
-                .with_retry(retry)
                 .build()?,
         ),
         Kind::Azure => Arc::new(
             MicrosoftAzureBuilder::from_env()
                 .with_container_name(bucket)
                 .with_client_options(options)
-                .with_retry(retry)
                 .build()?,
         ),
     })

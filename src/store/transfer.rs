@@ -2,12 +2,14 @@
 
 use super::commit::{Commit, Stored, hash};
 use super::remote::Remote;
-use crate::place::TRANSFERS;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::progress;
 use deepshade_shaders::{atomic_file, own_file};
 use rayon::{ThreadPoolBuilder, prelude::*};
 use std::path::Path;
+
+/// Transfers under way at a time.
+const TRANSFERS: usize = 8;
 
 /// Puts the files of a folder into a store, but for those that it has.
 ///
@@ -34,24 +36,10 @@ pub fn fetch(remote: &Remote, commit: &Commit, folder: &Path) -> Result<()> {
 }
 
 /// Writes a file of a list, if it is not there with its bytes.
-///
-/// # Errors
-/// As [`fetch`].
-pub fn fetch_file(remote: &Remote, file: &Stored, path: &Path) -> Result<()> {
+fn fetch_file(remote: &Remote, file: &Stored, path: &Path) -> Result<()> {
     if std::fs::read(path).is_ok_and(|bytes| file.is(&bytes)) {
         return Ok(());
     }
-    let bytes = fetched(remote, file)?;
-    let place = || path.display().to_string();
-    std::fs::create_dir_all(own_file::folder(path)).with_context(place)?;
-    atomic_file::write(path, &bytes).with_context(place)
-}
-
-/// The bytes of a file, held against its size and its hash.
-///
-/// # Errors
-/// If the store cannot be reached, or the object is missing or damaged.
-pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
     let object = remote.name(&file.object());
     let Some(bytes) = remote.get(&file.object(), file.bytes)? else {
         bail!("{object}, which holds `{}`, is gone", file.name)
@@ -61,7 +49,9 @@ pub fn fetched(remote: &Remote, file: &Stored) -> Result<Vec<u8>> {
         "{object}, which holds `{}`, is damaged: delete that object and `commit.json` there, and make the data anew",
         file.name
     );
-    Ok(bytes)
+    let place = || path.display().to_string();
+    std::fs::create_dir_all(own_file::folder(path)).with_context(place)?;
+    atomic_file::write(path, &bytes).with_context(place)
 }
 
 fn each(commit: &Commit, what: &'static str, transfer: impl Fn(&Stored) -> Result<()> + Sync) -> Result<()> {

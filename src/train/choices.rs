@@ -72,30 +72,18 @@ impl LastLayer {
 pub enum LossName {
     /// Structural dissimilarity, the paper's.
     Dssim,
-    /// Mean absolute difference.
-    L1,
-    /// Mean squared difference.
-    L2,
-    /// Dissimilarity plus mean absolute difference.
-    DssimL1,
     /// Dissimilarity plus mean squared difference.
     DssimL2,
     /// That plus the mean absolute difference of the means of 8x8 pixels.
     DssimL2Means,
-    /// 0.84 of dissimilarity at five resolutions, 0.16 of the mean absolute difference.
-    MsSsimL1,
 }
 
 impl From<LossName> for Loss {
     fn from(name: LossName) -> Self {
         match name {
             LossName::Dssim => Self::Dssim,
-            LossName::L1 => Self::L1,
-            LossName::L2 => Self::L2,
-            LossName::DssimL1 => Self::DssimL1,
             LossName::DssimL2 => Self::DssimL2,
             LossName::DssimL2Means => Self::DssimL2Means,
-            LossName::MsSsimL1 => Self::MsSsimL1,
         }
     }
 }

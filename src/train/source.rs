@@ -1,10 +1,9 @@
 //! What is trained on: pairs that are there, or a recipe's views as they are rendered.
 
 use super::{Args, words};
-use crate::place::Folder;
 use anyhow::{Result, bail};
-use deepshade_dataset::{Manifest, Recipe};
-use deepshade_train::{Outcome, PairSource, TrainConfig};
+use deepshade_dataset::{Dataset, Recipe};
+use deepshade_train::{Outcome, TrainConfig};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,11 +19,9 @@ pub struct Source {
 
 /// Pairs that are there.
 struct Pairs {
-    source: Arc<dyn PairSource>,
+    dataset: Arc<Dataset>,
     /// What is to be said of those held apart.
     warning: Option<String>,
-    /// What was fetched stays where it is as long as this does.
-    _folder: Folder,
 }
 
 impl Source {
@@ -37,12 +34,11 @@ impl Source {
             return Ok(Self { recipe: Recipe::load(path)?, path: path.clone(), pairs: None });
         }
         let Some(dataset) = &args.dataset else { bail!("--dataset or --recipe says what is trained on") };
-        let (folder, source) = dataset.pairs()?;
-        let manifest = Manifest::load(&folder)?;
-        let warning = words::held_apart(&manifest.pairs);
-        let path = folder.to_path_buf();
-        let pairs = Some(Pairs { source, warning, _folder: folder });
-        Ok(Self { recipe: manifest.origin.recipe, path, pairs })
+        let path = dataset.read()?;
+        let dataset = Arc::new(Dataset::open(&path)?);
+        let recipe = dataset.recipe().clone();
+        let warning = words::held_apart(&dataset.manifest().pairs);
+        Ok(Self { recipe, path, pairs: Some(Pairs { dataset, warning }) })
     }
 
     /// What is to be said of the pairs held apart, where they tell little.
@@ -59,7 +55,7 @@ impl Source {
     /// As [`deepshade_train::train_on`] and [`deepshade_train::train_streamed`].
     pub fn train(&self, config: &TrainConfig, run: &Path) -> Result<Outcome> {
         Ok(match &self.pairs {
-            Some(pairs) => deepshade_train::train_on(config, Arc::clone(&pairs.source), run)?,
+            Some(pairs) => deepshade_train::train_on(config, Arc::clone(&pairs.dataset) as _, run)?,
             None => deepshade_train::train_streamed(config, &self.recipe, run)?,
         })
     }

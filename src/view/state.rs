@@ -9,7 +9,7 @@ use super::zoom::Zoom;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
-use crate::place::{Folder, Place};
+use crate::place::Place;
 use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
@@ -128,8 +128,8 @@ pub struct State {
     /// How long films are where time has no end, seconds.
     pub film_seconds: f32,
     before: Option<Before>,
-    /// The network that the command line names, which stays where it was fetched to as long as this does.
-    fetched: Option<Folder>,
+    /// The folder of the network that the command line names.
+    fetched: Option<PathBuf>,
 }
 
 impl State {

@@ -10,17 +10,17 @@ mod crosscheck;
 mod embree;
 mod epipolar;
 mod experiment;
-mod farm;
 mod forecast;
+mod kills;
 mod lpv;
 mod phosphor;
 mod program;
 mod slope;
 mod stages;
-mod store;
 mod surfel;
 mod view;
 mod volume_shell;
+mod web;
 
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -59,11 +59,10 @@ enum Verb {
     Crosscheck(crosscheck::Args),
     /// Pictures a second of the window by every method, seconds to the first one, memory.
     View(view::Args),
-    /// Training pairs an hour by several workers on this machine, and whether their bytes are those of one
-    /// run.
-    Farm(farm::Args),
-    /// Megabytes and requests a second that an object store or a folder takes from this machine.
-    Store(store::Args),
+    /// Long jobs killed at random moments: whether they make, byte for byte, what they make undisturbed.
+    Kills(kills::Args),
+    /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
+    Web(web::Args),
 }
 
 fn main() -> ExitCode {
@@ -85,8 +84,8 @@ fn run(verb: &Verb) -> Result<()> {
         Verb::Embree(args) => embree::run(args),
         Verb::Crosscheck(args) => crosscheck::run(args),
         Verb::View(args) => view::run(args),
-        Verb::Farm(args) => farm::run(args),
-        Verb::Store(args) => store::run(args),
+        Verb::Kills(args) => kills::run(args),
+        Verb::Web(args) => web::run(args),
     }
 }
 

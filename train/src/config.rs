@@ -150,10 +150,6 @@ impl TrainConfig {
                 format!("is {}; it must be a multiple of 8, the size of a tile of the loss", self.crop);
             return error("crop", problem);
         }
-        let smallest = self.loss.smallest_crop();
-        if self.crop < smallest {
-            return error("crop", format!("is {}; the loss takes crops of {smallest} and more", self.crop));
-        }
         if self.batch * self.crop * self.crop > MOST_PIXELS {
             let problem = format!("is {} with crops of {}: too many pixels at once", self.batch, self.crop);
             return error("batch", problem);

@@ -87,9 +87,6 @@ pub enum TrainError {
     /// The device that trains failed.
     #[error("the training device: {0}")]
     Device(String),
-    /// A random forest cannot be grown or asked.
-    #[error("the random forest: {0}")]
-    Forest(String),
     /// A model folder cannot be written.
     #[error(transparent)]
     Model(#[from] deepshade_infer::ModelError),

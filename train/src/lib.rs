@@ -22,7 +22,6 @@ pub mod optim;
 mod pairs;
 mod parallel;
 mod plain;
-pub mod regressors;
 mod rng;
 mod stop;
 pub mod training;

@@ -1,16 +1,17 @@
 //! Losses: by how much an image differs from its target.
 //!
-//! The thesis' is structural dissimilarity over non-overlapping 8x8 tiles (7.3.3); the others are those that it was chosen
-//! among (7.5.3), and what Zhao et al. 2017 ("Loss functions for image restoration with neural networks") found best.
+//! The thesis' is structural dissimilarity over non-overlapping 8x8 tiles (7.3.3). The others came nearer to
+//! truth with today's networks; others still were measured and went (the book's studies).
 //!
-//! SSIM (Wang et al. 2004, equation 13) with a uniform window, biased variance, `C1 = 0.01^2`, `C2 = 0.03^2` and a
-//! range of 1, on raw linear output, averaged over tiles and channels; `DSSIM = (1 - SSIM) / 2`.
+//! SSIM (Wang et al. 2004, equation 13) with a uniform window, biased variance, `C1 = 0.01^2`, `C2 = 0.03^2`
+//! and a range of 1, on raw linear output, averaged over tiles and channels; `DSSIM = (1 - SSIM) / 2`.
 //!
-//! Targets of few samples are noisy, and SSIM takes noise for structure: a tile's variance is that of truth plus that of the
-//! noise, so that truth itself scores low, and an image of too much contrast better. Where the noise's variance is known it is
-//! taken off. What is left is an estimate, itself noisy, and is kept from falling below what the covariance with the prediction
-//! implies (Cauchy-Schwarz), without which SSIM could exceed 1 and images of too little contrast would win. Means and
-//! covariance are left as they are: the noise's mean is 0, and it has nothing to do with the prediction.
+//! Targets of few samples are noisy, and SSIM takes noise for structure: a tile's variance is that of truth
+//! plus that of the noise, so that truth itself scores low, and an image of too much contrast better. Where
+//! the noise's variance is known it is taken off. What is left is an estimate, itself noisy, and is kept from
+//! falling below what the covariance with the prediction implies (Cauchy-Schwarz), without which SSIM could
+//! exceed 1 and images of too little contrast would win. Means and covariance are left as they are: the
+//! noise's mean is 0, and it has nothing to do with the prediction.
 //!
 //! Neither sees a tile that is a hundredth too dark throughout, which eyes do, and FLIP. The mean absolute
 //! difference of tiles' means does: a tile's mean has a 64th of the noise's variance, and where truth is the
@@ -29,39 +30,21 @@ pub enum Loss {
     /// Structural dissimilarity, as in the thesis.
     #[default]
     Dssim,
-    /// Mean absolute difference.
-    L1,
-    /// Mean squared difference.
-    L2,
-    /// Structural dissimilarity plus mean absolute difference.
-    DssimL1,
     /// Structural dissimilarity plus mean squared difference.
     DssimL2,
     /// That, plus the mean absolute difference of tiles' means.
     DssimL2Means,
-    /// Zhao et al.'s mix: 0.84 of one minus SSIM at five resolutions, 0.16 of the mean absolute difference.
-    MsSsimL1,
 }
 
-/// Share of multi-scale SSIM in Zhao et al.'s mix.
-const MULTI_SCALE_SHARE: f64 = 0.84;
-/// Exponents of the scales, the finest first (Wang et al. 2003, "Multi-scale structural similarity").
-const SCALES: [f64; 5] = [0.0448, 0.2856, 0.3001, 0.2363, 0.1333];
 /// A variance that is nothing beside [`C2`]: keeps flat tiles from dividing 0 by 0.
 const FLAT: f64 = 1e-9;
-/// Below this a scale's similarity counts as this: negative ones have no root.
-const LEAST_SIMILARITY: f64 = 1e-4;
 
 impl std::fmt::Display for Loss {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Dssim => "DSSIM",
-            Self::L1 => "L1",
-            Self::L2 => "L2",
-            Self::DssimL1 => "DSSIM + L1",
             Self::DssimL2 => "DSSIM + L2",
             Self::DssimL2Means => "DSSIM + L2 + L1 of tiles' means",
-            Self::MsSsimL1 => "0.84 (1 - MS-SSIM) + 0.16 L1",
         })
     }
 }
@@ -71,26 +54,19 @@ impl std::fmt::Display for Loss {
 pub struct Target {
     /// What is wanted, maybe with noise: `[batch, channels, height, width]`.
     pub image: Tensor<4>,
-    /// Variance of the noise of each value of `image`, which is independent of that of other values; 0 where there is none or
-    /// it is not known. Shape of `image`.
+    /// Variance of the noise of each value of `image`, which is independent of that of other values; 0 where
+    /// there is none or it is not known. Shape of `image`.
     pub variance: Tensor<4>,
     /// 1 where a surface is seen, 0 elsewhere: `[batch, 1, height, width]`.
     pub valid: Tensor<4>,
 }
 
 impl Loss {
-    /// Height and width of the smallest crops that it can measure.
-    pub const fn smallest_crop(self) -> usize {
-        match self {
-            Self::MsSsimL1 => TILE << (SCALES.len() - 1),
-            _ => TILE,
-        }
-    }
-
     /// The loss of predictions, averaged over images and channels: `[1]`.
     ///
-    /// Where `valid` is 0 nothing was seen: there a prediction counts as right whatever it is, and has no gradient. Tiles
-    /// that are not whole do not count. The noise's variance is taken off that of the target's tiles, where it is known.
+    /// Where `valid` is 0 nothing was seen: there a prediction counts as right whatever it is, and has no
+    /// gradient. Tiles that are not whole do not count. The noise's variance is taken off that of the
+    /// target's tiles, where it is known.
     ///
     /// # Shapes
     /// `prediction` `[batch, channels, height, width]`.
@@ -100,51 +76,39 @@ impl Loss {
         // What counts as right is the target with its noise, none of which is to be taken off.
         let variance = variance * valid;
         let prediction = image.clone() + difference.clone();
-        let dssim = || (1.0 - ssim_tiles(prediction.clone(), image.clone(), variance.clone()).mean()) * 0.5;
-        let l1 = || difference.clone().abs().mean();
+        let dssim = (1.0 - ssim_tiles(prediction, image, variance.clone()).mean()) * 0.5;
         // What noise adds to it is taken off, too.
         let l2 = || (difference.clone() * difference.clone() - variance.clone()).mean();
         match self {
-            Self::Dssim => dssim(),
-            Self::L1 => l1(),
-            Self::L2 => l2(),
-            Self::DssimL1 => dssim() + l1(),
-            Self::DssimL2 => dssim() + l2(),
-            Self::DssimL2Means => dssim() + l2() + means(difference.clone(), TILE).abs().mean(),
-            Self::MsSsimL1 => {
-                let dissimilar = 1.0 - multi_scale_ssim(prediction.clone(), image.clone(), variance.clone());
-                dissimilar * MULTI_SCALE_SHARE + l1() * (1.0 - MULTI_SCALE_SHARE)
-            }
+            Self::Dssim => dssim,
+            Self::DssimL2 => dssim + l2(),
+            Self::DssimL2Means => dssim + l2() + means(difference.clone()).abs().mean(),
         }
     }
 }
 
-/// SSIM of every tile: `[batch, channels, height / 8, width / 8]`.
+/// SSIM of every tile, `[batch, channels, height / 8, width / 8]`, of an image and one of which the variance
+/// of its noise is known.
 fn ssim_tiles(a: Tensor<4>, b: Tensor<4>, noise: Tensor<4>) -> Tensor<4> {
-    let [luminance, structure] = tile_terms(a, b, noise);
-    luminance * structure
-}
-
-/// The two factors of SSIM of every tile, of means and of deviations from them, `[batch, channels, height / 8, width / 8]`, of
-/// an image and one of which the variance of its noise is known.
-fn tile_terms(a: Tensor<4>, b: Tensor<4>, noise: Tensor<4>) -> [Tensor<4>; 2] {
     let [_, _, height, width] = a.dims();
     let (height, width) = (height / TILE * TILE, width / TILE * TILE);
     let [a, b, noise] = [a, b, noise].map(|image| image.narrow(2, 0, height).narrow(3, 0, width));
     // Differences from the tile's mean, not differences of squares, which lose digits in flat tiles.
-    let (mean_a, mean_b) = (means(a.clone(), TILE), means(b.clone(), TILE));
+    let (mean_a, mean_b) = (means(a.clone()), means(b.clone()));
     let a = a - spread(mean_a.clone());
     let b = b - spread(mean_b.clone());
-    let variance_a = means(a.clone() * a.clone(), TILE);
-    let covariance = means(a * b.clone(), TILE);
+    let variance_a = means(a.clone() * a.clone());
+    let covariance = means(a * b.clone());
     let variances = variance_a.clone() + variance_of_truth(b, noise, variance_a, covariance.clone());
     let product = mean_a.clone() * mean_b.clone();
     let squares = mean_a.clone() * mean_a + mean_b.clone() * mean_b;
-    [(product * 2.0 + C1) / (squares + C1), (covariance * 2.0 + C2) / (variances + C2)]
+    let luminance = (product * 2.0 + C1) / (squares + C1);
+    luminance * ((covariance * 2.0 + C2) / (variances + C2))
 }
 
-/// An estimate of truth's variance in every tile from deviations `b` of a noisy target from its mean, the variance of its noise,
-/// and the variance and covariance of the image that it is held against. No gradient goes through it.
+/// An estimate of truth's variance in every tile from deviations `b` of a noisy target from its mean, the
+/// variance of its noise, and the variance and covariance of the image that it is held against. No gradient
+/// goes through it.
 fn variance_of_truth(
     b: Tensor<4>,
     noise: Tensor<4>,
@@ -152,37 +116,16 @@ fn variance_of_truth(
     covariance: Tensor<4>,
 ) -> Tensor<4> {
     // What independent noise adds to the variance about the mean of as many values.
-    let noise = means(noise, TILE) * (1.0 - 1.0 / (TILE * TILE) as f64);
-    let without_noise = means(b.clone() * b, TILE) - noise;
+    let noise = means(noise) * (1.0 - 1.0 / (TILE * TILE) as f64);
+    let without_noise = means(b.clone() * b) - noise;
     let covariance = covariance.detach();
     let implied = covariance.clone() * covariance / (variance_a.detach() + FLAT);
     without_noise.max_pair(implied)
 }
 
-/// SSIM at five resolutions, each half the one before, averaged over images and channels: `[1]`.
-fn multi_scale_ssim(mut a: Tensor<4>, mut b: Tensor<4>, mut noise: Tensor<4>) -> Tensor<1> {
-    let over_image = |tiles: Tensor<4>| tiles.flatten::<3>(2, 3).mean_dim(2);
-    let mut product: Option<Tensor<3>> = None;
-    for (scale, exponent) in SCALES.into_iter().enumerate() {
-        let [luminance, structure] = tile_terms(a.clone(), b.clone(), noise.clone());
-        let is_coarsest = scale + 1 == SCALES.len();
-        let similarity = over_image(if is_coarsest { luminance * structure } else { structure });
-        let factor = similarity.clamp_min(LEAST_SIMILARITY).powf_scalar(exponent);
-        product = Some(match product {
-            Some(product) => product * factor,
-            None => factor,
-        });
-        if !is_coarsest {
-            // The mean of four independent values has a quarter of their mean variance.
-            (a, b, noise) = (means(a, 2), means(b, 2), means(noise, 2) * 0.25);
-        }
-    }
-    product.expect("there are scales").mean()
-}
-
-/// Means of squares of that edge.
-fn means(x: Tensor<4>, edge: usize) -> Tensor<4> {
-    avg_pool2d(x, AvgPoolOptions::new([edge; 2]))
+/// Means of tiles.
+fn means(x: Tensor<4>) -> Tensor<4> {
+    avg_pool2d(x, AvgPoolOptions::new([TILE; 2]))
 }
 
 /// A value a tile as a value a pixel.

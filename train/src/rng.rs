@@ -12,8 +12,6 @@ pub enum Purpose {
     Order,
     /// Crop and symmetry; the counter is the position in the run.
     Crop,
-    /// A regressor's patches; the counter is the step.
-    Patch,
 }
 
 /// A stream of random numbers.

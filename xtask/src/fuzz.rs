@@ -1,18 +1,17 @@
-//! `cargo xtask fuzz`: the readers of everything that others may have written, by libFuzzer, which counts what of the code
-//! each input reaches and changes those that reach something new.
+//! `cargo xtask fuzz`: the readers of everything that others may have written, by libFuzzer, which counts
+//! what of the code each input reaches and changes those that reach something new.
 //!
-//! The targets are in `fuzz/`, in the form that cargo-fuzz has. They are built here by cargo alone, with the flags that
-//! `cargo fuzz build --sanitizer none` gives: these are those of a stable compiler. A target runs in turns; what it has
-//! done is noted after each, so that a run that was ended goes on.
+//! The targets are in `fuzz/`, in the form that cargo-fuzz has. They are built here by cargo alone, with the
+//! flags that `cargo fuzz build --sanitizer none` gives: these are those of a stable compiler. A target runs
+//! in turns; what it has done is noted after each, so that a run that was ended goes on.
 
 use crate::command::{self, cargo, command, root, target};
-use crate::figures::{json_argument, to_json, write};
+use crate::figures::{self, write_text};
 use anyhow::{Context, Result, bail, ensure};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
-/// Executions of each target without `--executions`.
-const EXECUTIONS: u64 = 10_000_000;
 /// Executions of a turn.
 const TURN: u64 = 250_000;
 /// The longest that one input may take, seconds.
@@ -25,20 +24,27 @@ const FLAGS: &str = "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
     -Cllvm-args=-sanitizer-coverage-trace-compares -Cllvm-args=-simplifycfg-branch-fold-threshold=0 --cfg fuzzing";
 
-/// What the command line says.
-struct Args {
+/// What is run.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Executions of each target, which take hours.
+    #[arg(long, default_value_t = 10_000_000)]
     executions: u64,
+    /// Only the target of that name; can be given more than once.
+    #[arg(long)]
     only: Vec<String>,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
 }
 
 /// Runs every target until it has done its executions, and says what was found.
 ///
 /// # Errors
 /// If the targets do not build, or something was found.
-pub fn run(args: &[String]) -> Result<()> {
-    let (json, rest) = json_argument(args)?;
+pub fn run(args: &Args) -> Result<()> {
+    let Args { executions, only, json } = args;
     let all = names()?;
-    let Args { executions, only } = parse(&rest)?;
     if let Some(name) = only.iter().find(|name| !all.contains(name)) {
         bail!("there is no target `{name}`; there are {}", all.join(", "));
     }
@@ -52,7 +58,7 @@ pub fn run(args: &[String]) -> Result<()> {
     // In turns, so that whenever it is ended all have come about as far.
     while let Some(next) = targets
         .iter()
-        .filter(|target| target.done() < executions && target.found() == 0)
+        .filter(|target| target.done() < *executions && target.found() == 0)
         .min_by_key(|target| target.done())
     {
         next.turn(executions - next.done())?;
@@ -61,29 +67,10 @@ pub fn run(args: &[String]) -> Result<()> {
         targets.iter().map(|target| (format!("executions_{}", target.name), target.done() as f64)).collect();
     let crashes: usize = targets.iter().map(Target::found).sum();
     figures.push(("crashes".to_owned(), crashes as f64));
-    if let Some(path) = json {
-        write(&path, &to_json("fuzz", &figures, &[]))?;
-    }
+    figures::write(json.as_deref(), "fuzz", &figures, json!({}))?;
     figures.iter().for_each(|(name, value)| println!("{name}: {value}"));
     ensure!(crashes == 0, "{crashes} inputs break a reader: {}", work.join("found").display());
     Ok(())
-}
-
-fn parse(args: &[String]) -> Result<Args> {
-    let mut parsed = Args { executions: EXECUTIONS, only: Vec::new() };
-    for pair in args.chunks(2) {
-        match pair {
-            [option, value] if option == "--executions" => {
-                parsed.executions = value.parse().with_context(|| format!("--executions {value}"))?;
-            }
-            [option, value] if option == "--only" => parsed.only.push(value.clone()),
-            _ => bail!(
-                "do not understand `{}`: cargo xtask fuzz [--executions N] [--only TARGET]... [--json F]",
-                pair.join(" ")
-            ),
-        }
-    }
-    Ok(parsed)
 }
 
 /// The targets' names, which their files have.
@@ -181,7 +168,7 @@ impl Target {
             self.name
         );
         if status.success() {
-            write(&self.note(), &(self.done() + executions).to_string())?;
+            write_text(&self.note(), &(self.done() + executions).to_string())?;
         }
         println!("{}: {} executions, {} findings", self.name, self.done(), self.found());
         Ok(())

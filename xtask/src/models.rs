@@ -7,7 +7,7 @@ use crate::{
     program::{Program, WITH_STUDIES},
     vulkan,
 };
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use std::{
     fmt::Write,
     path::{Path, PathBuf},
@@ -102,30 +102,33 @@ const CORRECTED: Budget =
 /// How often a view is used on average. With the default, 8, rendering was half of the time.
 const USES: &str = "32";
 
-/// What the command line says.
-struct Args {
-    /// The networks to make; all without it.
+/// What is made.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Only the network of that name.
+    #[arg(long, value_parser = BUDGETS.map(|budget| budget.name))]
     only: Option<String>,
-    /// Folder of data, runs and test sets.
-    work: PathBuf,
-    /// Features of the program that trains.
-    features: &'static [&'static str],
+    /// Folder of data, runs and test sets, by default below the target folder.
+    #[arg(long)]
+    work: Option<PathBuf>,
+    /// What trains: the processor, or a GPU by Vulkan.
+    #[arg(long, default_value = "cpu", value_parser = ["cpu", "gpu"])]
+    device: String,
 }
 
 /// Makes the networks and says how long each step took.
 ///
 /// # Errors
 /// If there is no Vulkan adapter, the program does not build, or a step fails.
-pub fn run(args: &[String]) -> Result<()> {
-    let args = parse(args)?;
-    let chosen: Vec<&Budget> =
-        BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name)).collect();
-    ensure!(!chosen.is_empty(), "no network of that name; there are {}", names());
+pub fn run(args: &Args) -> Result<()> {
+    let chosen = BUDGETS.iter().filter(|budget| args.only.as_deref().is_none_or(|only| only == budget.name));
+    let work = args.work.as_ref().map_or_else(|| command::target().join("models"), |work| root().join(work));
+    let features: &[&str] = if args.device == "gpu" { &["--features", "vulkan"] } else { &[] };
     vulkan::ensure()?;
-    command::run(&mut cargo(&[&WITH_STUDIES[..], args.features].concat()))?;
+    command::run(&mut cargo(&[&WITH_STUDIES[..], features].concat()))?;
     let mut report = String::new();
     for budget in chosen {
-        for (step, mut command) in steps(budget, &args.work) {
+        for (step, mut command) in steps(budget, &work) {
             let began = Instant::now();
             command::run(&mut command).with_context(|| format!("{}: {step}", budget.name))?;
             writeln!(
@@ -217,36 +220,6 @@ fn streamed_steps(budget: &Budget, network: &[&str], work: &Path) -> Vec<(&'stat
     all
 }
 
-fn parse(args: &[String]) -> Result<Args> {
-    let mut parsed = Args { only: None, work: command::target().join("models"), features: &[] };
-    let mut words = args.iter();
-    while let Some(word) = words.next() {
-        let value = words.next().with_context(|| format!("{word} lacks a value"))?;
-        match word.as_str() {
-            "--only" => parsed.only = Some(value.clone()),
-            "--work" => parsed.work = root().join(value),
-            "--device" => parsed.features = features(value)?,
-            _ => {
-                bail!("do not understand `{word}`; there are --only NAME, --work DIR and --device cpu or gpu")
-            }
-        }
-    }
-    Ok(parsed)
-}
-
-/// Features of a program that trains there.
-fn features(device: &str) -> Result<&'static [&'static str]> {
-    match device {
-        "cpu" => Ok(&[]),
-        "gpu" => Ok(&["--features", "vulkan"]),
-        _ => bail!("there is no device `{device}`; there are cpu and gpu"),
-    }
-}
-
-fn names() -> String {
-    BUDGETS.map(|budget| budget.name).join(", ")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,16 +247,6 @@ mod tests {
         // validations of a run.
         for Budget { name, steps, .. } in &BUDGETS {
             assert!(steps / 4 / 500 >= 4, "{name}");
-        }
-    }
-
-    #[test]
-    fn one_network_may_be_chosen_and_what_is_not_understood_is_said() {
-        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
-        assert_eq!(parse(&words("--only gi")).expect("understood").only.as_deref(), Some("gi"));
-        assert!(!parse(&words("--only gi --device gpu")).expect("understood").features.is_empty());
-        for wrong in ["--only", "--steps 7", "--device abacus"] {
-            assert!(parse(&words(wrong)).is_err(), "{wrong}");
         }
     }
 }

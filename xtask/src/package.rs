@@ -4,17 +4,20 @@ mod container;
 mod root;
 
 use crate::command::{self, cargo, command, succeeds, target};
-use crate::figures::{json_argument, to_json, write};
+use crate::figures;
 use crate::program::Program;
 use anyhow::{Context, Result, bail, ensure};
 use root::Root;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What is tried once it is installed: the version, and a network on the GPU beside an analytic method and truth.
+/// What is tried once it is installed: the version, and a network on the GPU beside an analytic method and
+/// truth.
 const TRIALS: [&str; 2] = [
     "deepshade --version",
-    "cd /tmp && XDG_RUNTIME_DIR=/tmp deepshade compare --scene stairs:7 --effect ao --methods truth,hbao,learned \
+    "cd /tmp && XDG_RUNTIME_DIR=/tmp deepshade compare --scene stairs:7 --effect ao --methods \
+    truth,hbao,learned \
      --width 64 --height 64 --samples 16 --out report && test -s report/index.html",
 ];
 /// What is packaged: the program that can do everything that needs nothing more of the system.
@@ -22,17 +25,23 @@ const BUILD: [&str; 5] = ["build", "--release", "--locked", "--features", "store
 /// What programs need of the system, where no package says so.
 const LIBRARIES: &str = "libvulkan1 mesa-vulkan-drivers";
 
+/// What is done with the package.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Installs it, what `cargo install` makes, and what the container file says, each in a clean root of its
+    /// own (debootstrap, as root), and runs the program there.
+    #[arg(long = "try")]
+    tried: bool,
+    /// Writes the figures here as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+}
+
 /// Makes the package, and tries it if it is asked to.
 ///
 /// # Errors
 /// If a tool is missing, something does not build, or what was installed does not work.
-pub fn run(args: &[String]) -> Result<()> {
-    let (json, rest) = json_argument(args)?;
-    let tried = match rest.as_slice() {
-        [] => false,
-        [option] if option == "--try" => true,
-        _ => bail!("do not understand `{}`: cargo xtask package [--try] [--json F]", rest.join(" ")),
-    };
+pub fn run(args: &Args) -> Result<()> {
     if !succeeds(&mut cargo(&["deb", "--version"])) {
         bail!("cargo-deb is missing; install it with\n    cargo install cargo-deb --locked");
     }
@@ -43,7 +52,7 @@ pub fn run(args: &[String]) -> Result<()> {
     let bytes = package.metadata().with_context(|| out.clone())?.len();
     let mut figures = vec![("package_bytes".to_owned(), bytes as f64)];
     println!("{out}: {bytes} bytes");
-    if tried {
+    if args.tried {
         for (name, way) in WAYS {
             let begin = Instant::now();
             way(&package).with_context(|| name.to_owned())?;
@@ -52,10 +61,7 @@ pub fn run(args: &[String]) -> Result<()> {
             figures.push((format!("{name}_seconds"), begin.elapsed().as_secs_f64()));
         }
     }
-    if let Some(path) = json {
-        write(&path, &to_json("package", &figures, &[]))?;
-    }
-    Ok(())
+    figures::write(args.json.as_deref(), "package", &figures, json!({}))
 }
 
 type Way = (&'static str, fn(&Path) -> Result<()>);

@@ -2,17 +2,13 @@
 
 use crate::command::{self, cargo, command, target};
 use anyhow::{Context, Result, ensure};
-use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
 /// Arguments of cargo's that build the program and that of studies; features come behind them.
 pub const WITH_STUDIES: [&str; 7] =
     ["build", "--release", "--locked", "--package", "deepshade", "--package", "deepshade-studies"];
-
-/// What temporary files are called until they are whole (`shaders::atomic_file`).
-const TEMPORARY_PREFIX: &str = ".deepshade-";
 
 /// A built program.
 #[derive(Clone, Debug)]
@@ -65,59 +61,10 @@ impl Program {
     /// # Errors
     /// If it fails, with what it says.
     pub fn run<S: AsRef<OsStr>>(&self, args: &[S]) -> Result<()> {
-        let output = self.output(args)?;
-        ensure!(output.status.success(), "{}: {}", output.status, message(&output));
+        let output = self.command(args).output();
+        let output = output.with_context(|| format!("cannot start {}", self.0.display()))?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        ensure!(output.status.success(), "{}: {}", output.status, said.trim());
         Ok(())
     }
-
-    /// Runs it to whatever end it comes.
-    ///
-    /// # Errors
-    /// If it cannot be started.
-    pub fn output<S: AsRef<OsStr>>(&self, args: &[S]) -> Result<Output> {
-        self.command(args).output().with_context(|| format!("cannot start {}", self.0.display()))
-    }
-}
-
-/// The last line of what a program says on stderr, where strace, which slows it, may have words of its own.
-pub fn message(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    let said = text.trim().lines().rfind(|line| !line.starts_with("strace: "));
-    said.unwrap_or_default().to_owned()
-}
-
-/// All files below a folder by name, none where there is no folder; those that are half-written are left out.
-///
-/// # Errors
-/// If one cannot be read.
-pub fn contents(folder: &Path) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
-    let mut found = BTreeMap::new();
-    collect(folder, folder, &mut found)?;
-    Ok(found)
-}
-
-fn collect(root: &Path, folder: &Path, found: &mut BTreeMap<PathBuf, Vec<u8>>) -> Result<()> {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if entry.file_name().to_string_lossy().starts_with(TEMPORARY_PREFIX) {
-            continue;
-        }
-        if path.is_dir() {
-            collect(root, &path, found)?;
-        } else {
-            let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-            found.insert(path.strip_prefix(root)?.to_owned(), bytes);
-        }
-    }
-    Ok(())
-}
-
-/// A folder below the target folder for one run of a command, empty.
-///
-/// # Errors
-/// If it cannot be made.
-pub fn work_folder(name: &str) -> Result<PathBuf> {
-    let folder = target().join(format!("{name}-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    Ok(folder)
 }

@@ -3,14 +3,15 @@
 mod comparison;
 
 use crate::command::{self, cargo, target};
-use crate::figures::{machine, write};
-use anyhow::{Context, Result, bail, ensure};
+use crate::figures;
+use anyhow::{Context, Result, ensure};
 use comparison::Comparison;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The tests that prove: those of the integrators of truth and what they share. Built as all tests are, so that a
-/// machine holds one build of the dependencies.
+/// The tests that prove: those of the integrators of truth and what they share. Built as all tests are, so
+/// that a machine holds one build of the dependencies.
 const TESTS: [&str; 7] = ["test", "--release", "--locked", "--workspace", "--lib", "--", "path::"];
 
 /// Tells the tests where to write what they compare.
@@ -20,21 +21,14 @@ const FILE: &str = "DEEPSHADE_PROOFS";
 ///
 /// # Errors
 /// If the tests do not build, a proof fails, or a control is not found out.
-pub fn run(args: &[String]) -> Result<()> {
-    let json = match args {
-        [] => None,
-        [option, path] if option == "--json" => Some(Path::new(path)),
-        _ => bail!("do not understand `{}`: cargo xtask prove [--json F]", args.join(" ")),
-    };
+pub fn run(json: Option<&Path>) -> Result<()> {
     let lines = PathBuf::from(format!("{}.{}", target().join("proofs").display(), std::process::id()));
     let passed = command::run(cargo(&TESTS).env(FILE, &lines));
     let text = std::fs::read_to_string(&lines).unwrap_or_default();
     // Nothing is lost where it stays.
     let _ = std::fs::remove_file(&lines);
     let proofs = Proofs::parse(&text)?;
-    if let Some(path) = json {
-        write(path, &proofs.to_json())?;
-    }
+    figures::write(json, "prove", &proofs.figures(), proofs.details())?;
     proofs.print();
     passed?;
     proofs.check()
@@ -49,7 +43,8 @@ impl Proofs {
     fn parse(text: &str) -> Result<Self> {
         let mut by_name: BTreeMap<String, Vec<Comparison>> = BTreeMap::new();
         for line in text.lines() {
-            let comparison = Comparison::parse(line).with_context(|| format!("not a comparison: {line}"))?;
+            let comparison: Comparison =
+                serde_json::from_str(line).with_context(|| format!("not a comparison: {line}"))?;
             by_name.entry(comparison.name.clone()).or_default().push(comparison);
         }
         Ok(Self { by_name })
@@ -133,20 +128,12 @@ impl Proofs {
         }
     }
 
-    fn to_json(&self) -> String {
-        let figures: Vec<String> =
-            self.figures().iter().map(|(name, value)| format!("    \"{name}\": {value}")).collect();
-        let mut comparisons: Vec<String> =
-            self.all().map(|comparison| format!("      {}", comparison.line)).collect();
+    /// All comparisons.
+    fn details(&self) -> Value {
         // Tests end in any order.
-        comparisons.sort();
-        format!(
-            "{{\n  \"command\": \"prove\",\n  \"machine\": {},\n  \"figures\": {{\n{}\n  }},\n  \"details\": {{\n    \
-             \"comparisons\": [\n{}\n    ]\n  }}\n}}\n",
-            machine(),
-            figures.join(",\n"),
-            comparisons.join(",\n")
-        )
+        let mut comparisons: Vec<&Comparison> = self.all().collect();
+        comparisons.sort_by(|a, b| a.name.cmp(&b.name).then(a.value.total_cmp(&b.value)));
+        json!({ "comparisons": comparisons })
     }
 }
 
@@ -154,9 +141,11 @@ impl Proofs {
 mod tests {
     use super::*;
 
-    const PROOF: &str = "{\"name\": \"ao/disk\", \"value\": 0.24, \"expected\": 0.25, \"standard_error\": 0.01, \
+    const PROOF: &str = "{\"name\": \"ao/disk\", \"value\": 0.24, \"expected\": 0.25, \"standard_error\": \
+    0.01, \
                          \"within\": true, \"control\": false}\n";
-    const CONTROL: &str = "{\"name\": \"ao/disk\", \"value\": 0.24, \"expected\": 0.4, \"standard_error\": 0.01, \
+    const CONTROL: &str = "{\"name\": \"ao/disk\", \"value\": 0.24, \"expected\": 0.4, \"standard_error\": \
+    0.01, \
                            \"within\": false, \"control\": true}\n";
     const SLOPE: &str = "{\"name\": \"slope/fog-direct\", \"value\": -0.7, \"expected\": -0.5, \
                          \"standard_error\": 0.02, \"within\": true, \"control\": false}\n";
@@ -182,7 +171,7 @@ mod tests {
         assert_eq!((figures["proofs"], figures["controls_found"]), (2.0, 1.0));
         assert!((figures["worst_deviation"] - 1.0).abs() < 1e-9, "slopes may be steeper");
         assert_eq!(figures["slope_fog-direct"], -0.7);
-        let json = proofs.to_json();
-        assert!(json.contains("    \"worst_deviation\": ") && json.contains(PROOF.trim_end()), "{json}");
+        let proof: Value = serde_json::from_str(PROOF).expect("JSON");
+        assert_eq!(proofs.details()["comparisons"][0], proof);
     }
 }

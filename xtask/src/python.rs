@@ -1,5 +1,5 @@
-//! Private Python environments below the target folder: one that the tests take onnxruntime's library from, one for
-//! the renderer that truth is compared with.
+//! Private Python environments below the target folder: one that the tests take onnxruntime's library from,
+//! one for the renderer that truth is compared with.
 
 use crate::{
     apt,
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// The version that the tests compare with.
 const ONNXRUNTIME: &str = "1.31.1";
 
-/// Any of the versions that onnxruntime has wheels for: its library is the same in all of them, and this way the
-/// machine's own Python may be older.
+/// Any of the versions that onnxruntime has wheels for: its library is the same in all of them, and this way
+/// the machine's own Python may be older.
 const WHEEL: &str = "3.12";
 
 /// Path of onnxruntime's native library, after installing it if need be.

@@ -1,5 +1,5 @@
-//! `cargo xtask targets`: whether the program compiles for Windows and macOS, as far as that is seen without their linkers and C
-//! libraries: everything that is Rust is type-checked.
+//! `cargo xtask targets`: whether the program compiles for Windows and macOS, as far as that is seen without
+//! their linkers and C libraries: everything that is Rust is type-checked.
 
 use crate::command::{self, cargo, command, root, target};
 use crate::web::toolchain::has_target;
@@ -12,7 +12,8 @@ const TARGETS: [&str; 2] = ["x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
 /// Debian's compiler, and the standard library's source where its package of that is installed.
 const COMPILER: &str = "/usr/bin/rustc";
 const SOURCE: &str = "/usr/lib/rustlib/src/rust/library/Cargo.lock";
-/// Nothing is linked: what dependencies have in C and assembler need not be compiled, and what does nothing stands for the tools.
+/// Nothing is linked: what dependencies have in C and assembler need not be compiled, and what does nothing
+/// stands for the tools.
 const NO_TOOL: &str = "true";
 
 /// Checks all targets that can be had here.
@@ -50,8 +51,8 @@ fn check(triple: &str) -> Result<Command> {
     Ok(check)
 }
 
-/// Sees to the standard library of a target: that of the toolchain, which rustup may bring, else from Debian's source by Debian's
-/// compiler. What is given inside says why there is none.
+/// Sees to the standard library of a target: that of the toolchain, which rustup may bring, else from
+/// Debian's source by Debian's compiler. What is given inside says why there is none.
 fn standard_library(check: &mut Command, target: &str) -> Result<Result<(), String>> {
     if has_target(target)? {
         return Ok(Ok(()));

@@ -18,10 +18,10 @@ mod real_data;
 /// A check: what it is called, and the arguments of cargo.
 type Step = (&'static str, &'static [&'static str]);
 
-/// Lints and tests have the same features, so that a clean machine compiles each dependency once for either. What drives a
-/// browser is apart: what it needs has serde_json keep the order of keys, which the program does not. Training on Vulkan
-/// leaves the CPU's own kernels out: its step compiles what is there instead, without the other features. Embree is loaded
-/// at run time and need not be there.
+/// Lints and tests have the same features, so that a clean machine compiles each dependency once for either.
+/// What drives a browser is apart: what it needs has serde_json keep the order of keys, which the program
+/// does not. Training on Vulkan leaves the CPU's own kernels out: its step compiles what is there instead,
+/// without the other features. Embree is loaded at run time and need not be there.
 pub const FEATURES: &str = "store,embree";
 
 const STEPS: [Step; 7] = [

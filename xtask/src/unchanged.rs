@@ -7,7 +7,7 @@ mod recipe;
 use crate::command::target;
 use crate::program::Program;
 use crate::test::FEATURES;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use std::collections::BTreeMap;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -23,16 +23,22 @@ const SCENES: [&str; 2] = ["room:7", "still-life:7"];
 /// Hashes by the names of files.
 type Hashes = BTreeMap<String, String>;
 
-/// Notes hashes in the file that `--write` names, or holds those of today's program against a file's.
+/// What hashes are for.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Notes the hashes, in place of holding them against those that were noted.
+    #[arg(long)]
+    write: bool,
+    /// The file of hashes.
+    file: PathBuf,
+}
+
+/// Notes hashes, or holds those of today's program against a file's.
 ///
 /// # Errors
 /// If something cannot be made, or a hash differs.
-pub fn run(args: &[String]) -> Result<()> {
-    let (file, writes) = match args {
-        [option, file] if option == "--write" => (Path::new(file), true),
-        [file] if !file.starts_with('-') => (Path::new(file), false),
-        _ => bail!("do not understand `{}`: cargo xtask unchanged [--write] FILE", args.join(" ")),
-    };
+pub fn run(args: &Args) -> Result<()> {
+    let (file, writes) = (args.file.as_path(), args.write);
     let expected = if writes { Hashes::new() } else { parse(&read(file)?)? };
     let program =
         Program::build_by(&["build", "--release", "--locked", "--workspace", "--features", FEATURES])?;

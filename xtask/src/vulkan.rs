@@ -1,4 +1,5 @@
-//! A Vulkan adapter for the GPU passes: a graphics card with its driver, or Mesa's software rasteriser, lavapipe.
+//! A Vulkan adapter for the GPU passes: a graphics card with its driver, or Mesa's software rasteriser,
+//! lavapipe.
 
 use crate::{apt, command::command};
 use anyhow::{Result, bail};
@@ -6,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 
-/// Makes sure that there is a Vulkan adapter, by installing lavapipe if need be. Other systems than Linux bring their
-/// own graphics interface.
+/// Makes sure that there is a Vulkan adapter, by installing lavapipe if need be. Other systems than Linux
+/// bring their own graphics interface.
 ///
 /// # Errors
 /// If there is none and none can be installed.
@@ -22,8 +23,8 @@ pub fn ensure() -> Result<()> {
     Ok(())
 }
 
-/// Whether there is a loader, and a driver with something to drive. The files tell it without a program that would
-/// have to be built first; whether the adapter works, the program itself finds out.
+/// Whether there is a loader, and a driver with something to drive. The files tell it without a program that
+/// would have to be built first; whether the adapter works, the program itself finds out.
 fn found() -> bool {
     let drivers = drivers();
     let software = drivers.iter().any(|driver| is_software(driver));

@@ -1,8 +1,8 @@
 //! `cargo xtask web`: the web page, as static files that any web server can host.
 //!
-//! The program is compiled to WebAssembly: with the toolchain's own target where it is installed or rustup can add it,
-//! else with Debian's compiler of Rust for browsers, which builds the standard library from source. What the page shows
-//! where a browser has no WebGPU is recorded by the program on this machine.
+//! The program is compiled to WebAssembly: with the toolchain's own target where it is installed or rustup
+//! can add it, else with Debian's compiler of Rust for browsers, which builds the standard library from
+//! source. What the page shows where a browser has no WebGPU is recorded by the program on this machine.
 
 #[cfg(feature = "browser")]
 mod browser;
@@ -10,9 +10,11 @@ mod serve;
 pub mod toolchain;
 
 use crate::command::{self, cargo, command, root, target};
-use crate::program::Program;
+use crate::program::{Program, WITH_STUDIES};
 use crate::{figures, vulkan};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
+use serde_json::json;
+use serve::Server;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -22,11 +24,22 @@ const STYLE: &str = "src/report/page.css";
 /// The files of a network that the page reads.
 const OF_MODEL: [&str; 2] = ["net.json", "weights.safetensors"];
 
-/// What is asked for.
-struct Args {
-    out: PathBuf,
+/// What is done with the page.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Its folder, by default below the target folder.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// Serves it to this machine.
+    #[arg(long)]
     serve: bool,
+    /// Drives headless Chromium, installed where it is missing: images must be those of the program, slider
+    /// and figures must work.
+    #[arg(long)]
     test: bool,
+    /// Writes the figures of the test here as JSON.
+    #[cfg_attr(not(feature = "browser"), expect(dead_code, reason = "the test alone has figures"))]
+    #[arg(long, requires = "test")]
     json: Option<PathBuf>,
 }
 
@@ -34,58 +47,26 @@ struct Args {
 ///
 /// # Errors
 /// If something is missing and cannot be installed, does not build, or the page fails its test.
-pub fn run(args: &[String]) -> Result<()> {
-    let args = read(args)?;
+pub fn run(args: Args) -> Result<()> {
     if args.test && !cfg!(feature = "browser") {
         // What drives a browser is much to build for whoever wants none.
-        return again(&args);
+        return again();
     }
-    build(&args.out)?;
-    println!("{}", args.out.join("index.html").display());
+    let out = std::path::absolute(args.out.unwrap_or_else(|| target().join("web-page")))?;
+    build(&out)?;
+    println!("{}", out.join("index.html").display());
+    #[cfg(feature = "browser")]
     if args.test {
-        test(&args)?;
+        browser::test(&out, args.json.as_deref())?;
     }
-    if args.serve { serve::forever(&args.out) } else { Ok(()) }
+    if args.serve { Server::start(&out)?.wait() } else { Ok(()) }
 }
 
-fn read(args: &[String]) -> Result<Args> {
-    let (json, rest) = figures::json_argument(args)?;
-    let mut read = Args { out: target().join("web-page"), serve: false, test: false, json };
-    let mut rest = rest.iter();
-    while let Some(arg) = rest.next() {
-        match arg.as_str() {
-            "--out" => read.out = std::path::absolute(rest.next().context("--out wants a folder")?)?,
-            "--serve" => read.serve = true,
-            "--test" => read.test = true,
-            other => bail!("do not understand `{other}`; `cargo xtask help` lists what there is"),
-        }
-    }
-    ensure!(read.test || read.json.is_none(), "--json has the figures of --test");
-    Ok(read)
-}
-
-/// The same with what drives a browser.
-fn again(args: &Args) -> Result<()> {
-    let mut words =
-        ["run", "--quiet", "--locked", "--package", "xtask", "--features", "browser", "--", "web", "--test"]
-            .map(str::to_owned)
-            .to_vec();
-    words.extend(["--out".to_owned(), args.out.display().to_string()]);
-    if let Some(json) = &args.json {
-        words.extend(["--json".to_owned(), std::path::absolute(json)?.display().to_string()]);
-    }
-    words.extend(args.serve.then(|| "--serve".to_owned()));
-    command::run(&mut cargo(&words))
-}
-
-#[cfg(feature = "browser")]
-fn test(args: &Args) -> Result<()> {
-    browser::test(&args.out, args.json.as_deref())
-}
-
-#[cfg(not(feature = "browser"))]
-fn test(_: &Args) -> Result<()> {
-    bail!("built without what drives a browser")
+/// The same command line with what drives a browser.
+fn again() -> Result<()> {
+    let words = ["run", "--quiet", "--locked", "--package", "xtask", "--features", "browser", "--"];
+    let mut again = cargo(&words);
+    command::run(again.args(std::env::args_os().skip(1)).current_dir("."))
 }
 
 /// Builds everything into a folder.
@@ -104,7 +85,8 @@ fn build(out: &Path) -> Result<()> {
     copy(&root().join(STYLE), &out.join("report.css"))?;
     models(&out.join("models"))?;
     vulkan::ensure()?;
-    Program::build()?.run(&["web", "--out", &out.join("recorded").display().to_string()])
+    Program::build_by(&WITH_STUDIES)?;
+    Program::studies().run(&["web", "--out", &out.join("recorded").display().to_string()])
 }
 
 /// The shipped networks, and their list.
@@ -122,10 +104,10 @@ fn models(into: &Path) -> Result<()> {
         for file in OF_MODEL {
             copy(&folder.path().join(file), &to.join(file))?;
         }
-        names.push(format!("\"{}\"", folder.file_name().to_string_lossy()));
+        names.push(folder.file_name().to_string_lossy().into_owned());
     }
     names.sort();
-    figures::write(&into.join("models.json"), &format!("[{}]\n", names.join(", ")))
+    figures::write_text(&into.join("models.json"), &format!("{}\n", json!(names)))
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

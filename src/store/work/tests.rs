@@ -1,7 +1,6 @@
 use super::*;
 use crate::place::Place;
 use object_store::memory::InMemory;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A store and the caches of machines that use it.
@@ -19,23 +18,21 @@ impl Bench {
         Remote::on(Arc::clone(&self.store) as _, &address()).expect("a remote")
     }
 
-    fn cache(&self, machine: &str, bound: u64) -> Cache {
-        Cache::at(self.folder.path().join(machine), bound)
-    }
-
     fn begin(&self, machine: &str) -> Result<Work> {
-        Work::on(self.remote(), self.cache(machine, 1000), &address())
+        Work::on(self.remote(), &self.folder.path().join(machine), &address())
     }
 
     /// What a machine finds, and then lets go of.
-    fn found(&self, machine: &str) -> Vec<(String, String)> {
-        contents(&self.begin(machine).expect("begun").folder())
+    fn found(&self, machine: &str) -> String {
+        let folder = self.begin(machine).expect("begun").folder();
+        assert_eq!(fs::read_dir(&folder).expect("listed").count(), 1);
+        fs::read_to_string(folder.join("file")).expect("a text")
     }
 
     /// A machine writes a file and puts it there.
     fn made(&self, machine: &str, text: &str) -> Result<()> {
         let work = self.begin(machine)?;
-        write(&work, "file", text);
+        write(&work, text);
         work.finish()
     }
 }
@@ -47,31 +44,21 @@ fn address() -> Address {
     }
 }
 
-fn write(work: &Work, name: &str, text: &str) {
-    std::fs::write(work.folder().join(name), text).expect("written");
-}
-
-fn contents(folder: &Path) -> Vec<(String, String)> {
-    let entries = std::fs::read_dir(folder).expect("listed").flatten();
-    let read = |path: PathBuf| std::fs::read_to_string(path).expect("a text");
-    let mut all: Vec<_> =
-        entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), read(entry.path()))).collect();
-    all.sort();
-    all
-}
-
-fn file(text: &str) -> Vec<(String, String)> {
-    vec![("file".to_owned(), text.to_owned())]
+fn write(work: &Work, text: &str) {
+    fs::write(work.folder().join("file"), text).expect("written");
 }
 
 #[test]
 fn what_one_machine_makes_another_goes_on_with() {
     let bench = Bench::new();
     bench.made("one", "first").expect("made");
-    assert_eq!(bench.found("two"), file("first"));
+    assert_eq!(bench.found("two"), "first");
     bench.made("two", "second").expect("made");
-    assert_eq!(bench.found("one"), file("second"), "nothing of its own is lost");
-    assert!(!bench.begin("one").expect("begun").entry.note("aside-1").exists());
+    assert_eq!(bench.found("one"), "second");
+    let copies = bench.folder.path().join("one/outputs");
+    bench.made("one", "third").expect("made");
+    let entry = fs::read_dir(copies).expect("listed").flatten().next().expect("an entry");
+    assert!(!entry.path().join("files").exists(), "what is in the store is not kept here");
 }
 
 #[test]
@@ -81,99 +68,56 @@ fn a_folder_is_one_programs_and_unfinished_work_stays() {
     let work = bench.begin("one").expect("begun");
     let error = bench.begin("one").err().expect("taken").to_string();
     assert!(error.starts_with("s3://bucket/data: process") && error.contains("is at work on it"), "{error}");
-    write(&work, "file", "unfinished");
+    write(&work, "unfinished");
     // As where it is killed.
     drop(work);
-    assert_eq!(bench.found("one"), file("unfinished"));
-    assert_eq!(bench.found("two"), file("first"));
+    assert_eq!((bench.found("one"), bench.found("two")), ("unfinished".to_owned(), "first".to_owned()));
+    // And if nothing is in the store any more.
+    let empty = Bench { store: Arc::new(InMemory::new()), folder: bench.folder };
+    empty.begin("one").expect("begun").finish().expect("put");
+    assert_eq!(empty.found("three"), "unfinished");
 }
 
 #[test]
 fn the_second_of_two_that_write_different_things_is_told_and_loses_nothing() {
     let bench = Bench::new();
-    for (mine, theirs) in [("mine", "theirs"), ("mine again", "theirs again")] {
+    let begin = |text: [&str; 2]| {
         let (one, two) = (bench.begin("one").expect("begun"), bench.begin("two").expect("begun"));
-        write(&one, "file", mine);
-        write(&two, "file", theirs);
+        write(&one, text[0]);
+        write(&two, text[1]);
         two.finish().expect("the first");
-        let error = one.finish().expect_err("the second").to_string();
-        assert!(error.contains("somebody else has put something else there"), "{error}");
-        assert_eq!(bench.found("two"), file(theirs));
-        // Given again, it goes on with what is there, and keeps what it had made.
-        let work = bench.begin("one").expect("begun");
-        assert_eq!(contents(&work.folder()), file(theirs));
-        let aside = if mine == "mine" { "aside-1" } else { "aside-2" };
-        assert_eq!(contents(&work.entry.note(aside)), file(mine));
-    }
+        one
+    };
+    let one = begin(["mine", "theirs"]);
+    let unfinished = one.folder();
+    let error = format!("{:#}", one.finish().expect_err("the second"));
+    assert!(error.contains("somebody else has put something else there"), "{error}");
+    assert_eq!(bench.found("two"), "theirs");
+    let error = format!("{:#}", bench.begin("one").err().expect("unfinished work"));
+    assert!(error.contains(&unfinished.display().to_string()), "{error}");
+    fs::remove_dir_all(&unfinished).expect("deleted");
+    assert_eq!(bench.found("one"), "theirs");
     // Where both make the same there is no other.
-    let (one, two) = (bench.begin("one").expect("begun"), bench.begin("two").expect("begun"));
-    write(&one, "file", "the same");
-    write(&two, "file", "the same");
-    two.finish().expect("the first");
-    one.finish().expect("the second");
-    // One that was killed before it noted that it was done has made what is there.
+    begin(["the same", "the same"]).finish().expect("the second");
+    // One that was killed after it had put its own there goes on with that.
     let work = bench.begin("one").expect("begun");
-    write(&work, "file", "done");
-    let list = work.publish().expect("put");
-    work.note(&Note::Work(Some("an earlier list".to_owned()))).expect("noted");
+    write(&work, "done");
+    work.publish().expect("put");
     drop(work);
-    assert_eq!(bench.found("one"), file("done"));
-    assert_eq!(Commit::at(&bench.remote()).expect("read").expect("a list").0, list);
-    assert!(!bench.begin("one").expect("begun").entry.note("aside-3").exists());
+    assert_eq!(bench.found("one"), "done");
 }
 
 #[test]
-fn what_was_fetched_before_a_break_is_not_fetched_again() {
+fn a_copy_that_is_not_whole_is_fetched_again() {
     let bench = Bench::new();
     bench.made("one", "first").expect("made");
     let object = Commit::at(&bench.remote()).expect("read").expect("a list").0.files[0].object();
     bench.remote().put(&object, b"other".to_vec()).expect("put");
-    let error = bench.begin("two").err().expect("broken");
-    assert!(format!("{error:#}").contains("is damaged"), "{error:#}");
-    // Something that is cleared away where the folder is.
-    let entry = bench.cache("two", 1000).output(&hash(b"s3://bucket/data")).expect("an output").0;
-    std::fs::write(entry.files().join("fetched before"), "").expect("written");
+    let error = format!("{:#}", bench.begin("two").err().expect("broken"));
+    assert!(error.contains("is damaged"), "{error}");
+    let entry = bench.folder.path().join("two/outputs").join(hash(b"s3://bucket/data"));
+    fs::create_dir_all(entry.join("files")).expect("made");
+    fs::write(entry.join("files/stranger"), "of another list").expect("written");
     bench.remote().put(&object, b"first".to_vec()).expect("put");
-    assert_eq!(bench.found("two").len(), 2);
-    // Of another list nothing stays.
-    drop(bench.begin("three").expect("begun"));
-    bench.remote().put(&object, b"other".to_vec()).expect("put");
-    assert!(bench.begin("four").is_err());
-    let entry = bench.cache("four", 1000).output(&hash(b"s3://bucket/data")).expect("an output").0;
-    std::fs::write(entry.files().join("fetched before"), "").expect("written");
-    bench.made("three", "second").expect("made");
-    assert_eq!(bench.found("four"), file("second"));
-}
-
-#[test]
-fn what_the_cache_has_no_room_for_is_fetched_again() {
-    let bench = Bench::new();
-    let begin = |bound| Work::on(bench.remote(), bench.cache("one", bound), &address()).expect("begun");
-    let work = begin(1000);
-    write(&work, "file", "first");
-    work.finish().expect("made");
-    let work = begin(3);
-    assert_eq!(contents(&work.folder()), file("first"));
-    write(&work, "file", "second");
-    let entry = work.entry.clone();
-    work.finish().expect("made");
-    assert!(!entry.files().exists());
-    assert_eq!(bench.found("one"), file("second"));
-    // What is delivered is not kept, whatever the room.
-    let work = begin(1000);
-    write(&work, "file", "third");
-    work.deliver().expect("made");
-    assert!(!entry.files().exists());
-    assert_eq!(bench.found("two"), file("third"));
-}
-
-#[test]
-fn what_was_deleted_from_the_store_is_put_there_again() {
-    let bench = Bench::new();
-    bench.made("one", "first").expect("made");
-    let empty = Bench { store: Arc::new(InMemory::new()), folder: bench.folder };
-    let work = empty.begin("one").expect("begun");
-    assert_eq!(contents(&work.folder()), file("first"));
-    work.finish().expect("put");
-    assert_eq!(empty.found("two"), file("first"));
+    assert_eq!(bench.found("two"), "first");
 }

@@ -1,5 +1,10 @@
 //! Shallow regressors on patches beside the deep network (thesis 7.5.5, Figure 7.17): perceptrons on 11x11
-//! and 21x21 pixels, random forests on 21x21.
+//! and 21x21 pixels, random forests on 21x21. Each predicts a pixel from the patch around it, and is swept
+//! across the image. They read what a network reads and learn the mean squared difference.
+
+mod forest;
+mod mlp;
+mod patches;
 
 use super::exam::{Exam, SIMILARITY, Scores};
 use super::kernels::{TIMED, milliseconds};
@@ -9,10 +14,11 @@ use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_infer::NetSpec;
 use deepshade_shaders::lists::median;
+use deepshade_shaders::split_mix::{STEP, finalised};
 use deepshade_shaders::{GBuffer, Planes};
-use deepshade_train::regressors::forest::Growth;
-use deepshade_train::regressors::mlp::Schedule;
-use deepshade_train::regressors::{Forest, Frames, Mlp};
+use forest::{Forest, Growth};
+use mlp::{Mlp, Schedule};
+use patches::Frames;
 use std::time::Instant;
 
 /// Edges of the perceptrons' patches, pixels.
@@ -49,7 +55,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
         let steps = lab.size.perceptron_steps;
         let mlp = Mlp::train(&frames, edge, Schedule { steps, batch: PATCHES, seed })?;
         let names = [format!("ssim_mlp{edge}"), format!("perceptron {edge}x{edge}")];
-        results.measure(names, start.elapsed().as_secs_f64(), |input| Ok(mlp.image(input)))?;
+        results.measure(names, start.elapsed().as_secs_f64(), |input| mlp.image(input))?;
     }
     note!("random forest of {} trees on {FOREST} x {FOREST} pixels", TREES[TREES.len() - 1]);
     let start = Instant::now();
@@ -60,7 +66,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
         let names = [format!("ssim_forest{trees}"), format!("random forest of {trees}")];
         // Trees are grown side by side, each taking as long.
         let share = seconds * trees as f64 / growth.trees as f64;
-        results.measure(names, share, |input| Ok(forest.image(input, trees)?))?;
+        results.measure(names, share, |input| forest.image(input, trees))?;
     }
     let trivial = exam.trivial()?;
     results.rows.push(Row::new(
@@ -135,4 +141,30 @@ fn input(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes> {
 fn repeated(input: &Planes) -> Planes {
     let (height, width) = (input.height(), input.width());
     Planes::from_fn(input.channels(), TIMED, TIMED, |channel, y, x| input.at(channel, y % height, x % width))
+}
+
+/// A stream of random numbers: a function of a seed and of a counter.
+struct Random(u64);
+
+impl Random {
+    const fn new(seed: u64, counter: u64) -> Self {
+        Self(finalised(finalised(seed) ^ counter))
+    }
+
+    /// A number in [0, 1).
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(STEP);
+        (finalised(self.0) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// A whole number below `end`, which is far below 2^53.
+    fn below(&mut self, end: usize) -> usize {
+        (self.unit() * end as f64) as usize
+    }
+
+    /// A number of the standard normal distribution (Box and Muller 1958).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.unit()).cos()
+    }
 }

@@ -1,18 +1,17 @@
-//! The page's test in headless Chromium, which a WebDriver drives: it must compute, on the browser's software adapter,
-//! the images that the program computes on this machine; its slider and its figures must work; and without WebGPU it must
-//! say so and show what was recorded.
+//! The page's test in headless Chromium, which a WebDriver drives: it must compute, on the browser's software
+//! adapter, the images that the program computes on this machine; its slider and its figures must work; and
+//! without WebGPU it must say so and show what was recorded.
 
 mod session;
 
-use super::serve;
+use super::serve::Server;
 use crate::command::{self, succeeds, target};
 use crate::program::Program;
 use crate::{apt, figures};
 use anyhow::{Context, Result, bail, ensure};
-use serde_json::Value;
+use serde_json::{Value, json};
 use session::{Browser, WEBGPU};
 use std::fs;
-use std::net::SocketAddr;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use thirtyfour::{By, Key, WebElement};
@@ -24,10 +23,11 @@ const SIZE: usize = 192;
 const SAMPLES: usize = 64;
 /// How long a comparison may take to appear: the browser's software adapter compiles every pass anew.
 const PATIENCE: Duration = Duration::from_mins(15);
-/// The software Vulkan that Chromium brings for WebGPU. The program runs on it too, so that what differs is the browser.
+/// The software Vulkan that Chromium brings for WebGPU. The program runs on it too, so that what differs is
+/// the browser.
 const DRIVER: &str = "/usr/lib/chromium/vk_swiftshader_icd.json";
-/// Share of the values of an image that may differ by more than [`CLOSE`]: drivers' compilers round differently, and a
-/// pixel at an edge may then see another surface.
+/// Share of the values of an image that may differ by more than [`CLOSE`]: drivers' compilers round
+/// differently, and a pixel at an edge may then see another surface.
 const STRAY: f64 = 1e-3;
 /// Difference, as a share of the image's root mean square, up to which values are the same.
 const CLOSE: f64 = 1e-3;
@@ -51,12 +51,13 @@ pub fn test(folder: &Path, json: Option<&Path>) -> Result<()> {
     let size = SIZE.to_string();
     let shown = values.display().to_string();
     let mut native =
-        Program::built().command(&["web", "--out", &shown, "--size", &size, "--samples", "0", "--values"]);
+        Program::studies().command(&["web", "--out", &shown, "--size", &size, "--samples", "0", "--values"]);
     if Path::new(DRIVER).is_file() {
         native.env("VK_DRIVER_FILES", DRIVER).env("VK_ICD_FILENAMES", DRIVER);
     }
     command::run(&mut native)?;
-    let address = serve::beside(folder)?;
+    let server = Server::start(folder)?;
+    let address = server.address.trim_end_matches('/');
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut found = Vec::new();
     runtime.block_on(live(address, &values, &mut found)).context("with WebGPU")?;
@@ -64,14 +65,11 @@ pub fn test(folder: &Path, json: Option<&Path>) -> Result<()> {
     for (name, value) in &found {
         println!("{name} {value:.3e}");
     }
-    match json {
-        Some(path) => figures::write(path, &figures::to_json("web", &found, &[])),
-        None => Ok(()),
-    }
+    figures::write(json, "web", &found, json!({}))
 }
 
 /// The live comparisons, one after the other.
-async fn live(address: SocketAddr, values: &Path, found: &mut Vec<(String, f64)>) -> Result<()> {
+async fn live(address: &str, values: &Path, found: &mut Vec<(String, f64)>) -> Result<()> {
     let text = fs::read_to_string(values.join("recorded.json")).context("recorded.json")?;
     let list: Value = serde_json::from_str(&text)?;
     let browser = Browser::open(WEBGPU).await?;
@@ -80,7 +78,7 @@ async fn live(address: SocketAddr, values: &Path, found: &mut Vec<(String, f64)>
         let effect = one["wish"]["effect"].as_str().context("an effect")?;
         let samples = if first { SAMPLES } else { 0 };
         let began = Instant::now();
-        browser.goto(&format!("http://{address}/?effect={effect}&size={SIZE}&samples={samples}")).await?;
+        browser.goto(&format!("{address}/?effect={effect}&size={SIZE}&samples={samples}")).await?;
         browser.until("ready", PATIENCE).await.with_context(|| effect.to_owned())?;
         if first {
             found.push(("seconds_to_first_picture".to_owned(), began.elapsed().as_secs_f64()));
@@ -129,7 +127,8 @@ async fn judged(browser: &Browser, one: &Value, found: &mut Vec<(String, f64)>) 
     Ok(())
 }
 
-/// Moves the slider from one end to the other: the border must move, and what is seen of the picture itself must change.
+/// Moves the slider from one end to the other: the border must move, and what is seen of the picture itself
+/// must change.
 async fn slider(browser: &Browser, picture: By) -> Result<()> {
     let slider: WebElement = browser.find(By::Id("wipe")).await?;
     let mut seen = Vec::new();
@@ -146,9 +145,9 @@ async fn slider(browser: &Browser, picture: By) -> Result<()> {
 }
 
 /// The page where the browser has no WebGPU.
-async fn recorded(address: SocketAddr) -> Result<()> {
+async fn recorded(address: &str) -> Result<()> {
     let browser = Browser::open(&[]).await?;
-    browser.goto(&format!("http://{address}/")).await?;
+    browser.goto(&format!("{address}/")).await?;
     browser.until("recorded with truth", PATIENCE).await?;
     let said = browser.text("message").await?;
     ensure!(said.contains("WebGPU") && said.contains("computed beforehand"), "the page says: {said}");

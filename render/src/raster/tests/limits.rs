@@ -176,7 +176,7 @@ fn shown(
     gpu::read(&gpu.device, &gpu.queue, frame.gbuffer().buffer(Attribute::Valid))
 }
 
-/// `cargo xtask faults` runs these tests, too: an adapter cannot be taken away from outside of the program.
+/// An adapter cannot be taken away from outside of the program.
 #[test]
 fn a_device_that_is_lost_in_mid_frame_is_an_error_and_no_panic() {
     let (gpu, frame) = drawn(64);

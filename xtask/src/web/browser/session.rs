@@ -18,7 +18,8 @@ pub const WEBGPU: &[&str] = &[
     // It ends what computes for long, as software does on a busy machine.
     "--disable-gpu-watchdog",
 ];
-/// No window, and nothing asked of anybody elsewhere. Of itself a browser takes no software adapter for WebGPU.
+/// No window, and nothing asked of anybody elsewhere. Of itself a browser takes no software adapter for
+/// WebGPU.
 const QUIET: &[&str] = &[
     "--headless",
     "--no-sandbox",
@@ -33,7 +34,8 @@ const QUIET: &[&str] = &[
 const PAUSE: Duration = Duration::from_millis(200);
 /// How long the driver may take to start.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// How long a script may take: one that asks for values waits for the frames before, which take a software adapter long.
+/// How long a script may take: one that asks for values waits for the frames before, which take a software
+/// adapter long.
 const SCRIPT: Duration = Duration::from_mins(20);
 
 /// A browser with its driver, which ends with it.
@@ -130,7 +132,8 @@ impl Browser {
             .await
     }
 
-    /// What an element shows, without what lies over the images and moves with the border: that, its thumb and names.
+    /// What an element shows, without what lies over the images and moves with the border: that, its thumb
+    /// and names.
     ///
     /// # Errors
     /// If it is not there.
@@ -176,8 +179,8 @@ impl Browser {
         }
     }
 
-    /// What the browser's compiler says of the program's shaders that it refuses, a line an error, and how many shaders
-    /// there are.
+    /// What the browser's compiler says of the program's shaders that it refuses, a line an error, and how
+    /// many shaders there are.
     ///
     /// # Errors
     /// If the browser has no device.

@@ -1,11 +1,10 @@
 //! A random forest on patches (Breiman 2001; thesis 7.5.5), grown by the crate `smartcore`.
 
 use super::patches::{Examples, Frames, patches_of_rows};
-use crate::TrainError;
+use anyhow::{Result, ensure};
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
 use smartcore::ensemble::random_forest_regressor::{RandomForestRegressor, RandomForestRegressorParameters};
-use smartcore::error::Failed;
 use smartcore::linalg::basic::matrix::DenseMatrix;
 
 /// Least examples of a leaf, as in the thesis.
@@ -33,22 +32,23 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Grows a forest on patches of `edge` x `edge` pixels, odd. Every split chooses among all numbers of a patch.
+    /// Grows a forest on patches of `edge` x `edge` pixels, odd. Every split chooses among all numbers of a
+    /// patch.
     ///
     /// # Errors
     /// If a tree cannot be grown, as from too few examples.
-    pub fn grow(frames: &Frames, edge: usize, growth: Growth) -> Result<Self, TrainError> {
+    pub fn grow(frames: &Frames, edge: usize, growth: Growth) -> Result<Self> {
         let Examples { patches, targets } = frames.examples(edge, growth.examples, growth.seed, 0);
         let patches = matrix(patches, growth.examples)?;
-        let tree = |index: usize| {
+        let tree = |index: usize| -> Result<Tree> {
             let parameters = RandomForestRegressorParameters::default()
                 .with_n_trees(1)
                 .with_m(frames.patch_len(edge))
                 .with_min_samples_leaf(LEAST_OF_A_LEAF)
                 .with_seed(growth.seed.wrapping_add(index as u64));
-            Tree::fit(&patches, &targets, parameters).map_err(failed)
+            Ok(Tree::fit(&patches, &targets, parameters)?)
         };
-        let trees = (0..growth.trees).into_par_iter().map(tree).collect::<Result<_, _>>()?;
+        let trees = (0..growth.trees).into_par_iter().map(tree).collect::<Result<_>>()?;
         Ok(Self { trees, edge, channels: frames.channels() })
     }
 
@@ -57,40 +57,34 @@ impl Forest {
     ///
     /// # Errors
     /// If the input has other channels than those that it was grown for.
-    pub fn image(&self, input: &Planes, trees: usize) -> Result<Planes, TrainError> {
-        if input.channels() != self.channels {
-            let what = format!("grown for {} channels, not for {}", self.channels, input.channels());
-            return Err(TrainError::Forest(what));
-        }
+    pub fn image(&self, input: &Planes, trees: usize) -> Result<Planes> {
+        let (grown, found) = (self.channels, input.channels());
+        ensure!(grown == found, "the random forest was grown for {grown} channels, not for {found}");
         let trees = &self.trees[..trees.min(self.trees.len())];
-        let row = |y: usize| -> Result<Vec<f32>, TrainError> {
+        let row = |y: usize| -> Result<Vec<f32>> {
             let patches = matrix(patches_of_rows(input, self.edge, y..y + 1), input.width())?;
             let mut sums = vec![0.0; input.width()];
             for tree in trees {
-                let values = tree.predict(&patches).map_err(failed)?;
+                let values = tree.predict(&patches)?;
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value / trees.len() as f32);
             }
             Ok(sums)
         };
-        let rows: Vec<Vec<f32>> = (0..input.height()).into_par_iter().map(row).collect::<Result<_, _>>()?;
+        let rows: Vec<Vec<f32>> = (0..input.height()).into_par_iter().map(row).collect::<Result<_>>()?;
         Ok(Planes::from_data(1, input.height(), input.width(), rows.concat()))
     }
 }
 
 /// Numbers as so many rows.
-fn matrix(numbers: Vec<f32>, rows: usize) -> Result<DenseMatrix<f32>, TrainError> {
+fn matrix(numbers: Vec<f32>, rows: usize) -> Result<DenseMatrix<f32>> {
     let columns = numbers.len() / rows;
-    DenseMatrix::new(rows, columns, numbers, false).map_err(failed)
-}
-
-fn failed(error: Failed) -> TrainError {
-    TrainError::Forest(error.to_string())
+    Ok(DenseMatrix::new(rows, columns, numbers, false)?)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::patches::tests::{error, noise};
     use super::*;
-    use crate::regressors::patches::tests::{error, noise};
 
     #[test]
     fn more_trees_are_closer_and_the_first_ones_are_the_same() {

@@ -1,7 +1,7 @@
 //! Patches: what regressors read of an image, and the examples that they learn from.
 
-use crate::TrainError;
-use crate::rng::{Purpose, Rng};
+use super::Random;
+use anyhow::{Context, Result, ensure};
 use deepshade_dataset::Dataset;
 use deepshade_infer::NetSpec;
 use deepshade_shaders::{Planes, lists};
@@ -23,7 +23,7 @@ struct Frame {
 }
 
 /// Patches with the values of the pixels in their middles.
-pub(crate) struct Examples {
+pub struct Examples {
     /// `[examples, channels * edge * edge]`, row by row.
     pub patches: Vec<f32>,
     /// `[examples]`.
@@ -31,43 +31,38 @@ pub(crate) struct Examples {
 }
 
 impl Frames {
-    /// At most so many of the pairs that a dataset has for training, spread evenly; those that show nothing are left out.
+    /// At most so many of the pairs that a dataset has for training, spread evenly; those that show nothing
+    /// are left out.
     ///
     /// # Errors
-    /// If the network makes more than one channel, a pair cannot be read or lacks what the network reads, or none shows a
-    /// surface.
-    pub fn read(dataset: &Dataset, spec: &NetSpec, most: usize) -> Result<Self, TrainError> {
-        let wrong = |field, problem: &str| TrainError::Config { field, problem: problem.to_owned() };
-        if spec.effect.channels() != 1 {
-            return Err(wrong("spec", "makes colours, and regressors of patches make single values"));
-        }
+    /// If the network makes more than one channel, a pair cannot be read or lacks what the network reads, or
+    /// none shows a surface.
+    pub fn read(dataset: &Dataset, spec: &NetSpec, most: usize) -> Result<Self> {
+        ensure!(spec.effect.channels() == 1, "regressors of patches make single values, and no colours");
         let training = dataset.training();
         let mut frames = Vec::new();
         for index in lists::spread(training.len(), most).into_iter().map(|index| training[index]) {
-            let frame = Frame::read(dataset, spec, index);
-            let frame = frame.map_err(|problem| TrainError::Pair { index, problem })?;
+            let frame = Frame::read(dataset, spec, index).with_context(|| format!("pair {index}"))?;
             frames.extend(Some(frame).filter(|frame| !frame.seen.is_empty()));
         }
-        match frames.is_empty() {
-            true => Err(wrong("dataset", "has no pair for training that shows a surface")),
-            false => Ok(Self { frames, channels: spec.input_channels() }),
-        }
+        ensure!(!frames.is_empty(), "the dataset has no pair for training that shows a surface");
+        Ok(Self { frames, channels: spec.input_channels() })
     }
 
     /// Channels of what is read.
-    pub(crate) const fn channels(&self) -> usize {
+    pub const fn channels(&self) -> usize {
         self.channels
     }
 
     /// Numbers of a patch.
-    pub(crate) const fn patch_len(&self, edge: usize) -> usize {
+    pub const fn patch_len(&self, edge: usize) -> usize {
         self.channels * edge * edge
     }
 
-    /// Examples around pixels that show a surface, drawn uniformly, first the frame, then the pixel; the same for the same
-    /// seed and counter.
-    pub(crate) fn examples(&self, edge: usize, count: usize, seed: u64, counter: u64) -> Examples {
-        let mut rng = Rng::new(seed, Purpose::Patch, counter);
+    /// Examples around pixels that show a surface, drawn uniformly, first the frame, then the pixel; the same
+    /// for the same seed and counter.
+    pub fn examples(&self, edge: usize, count: usize, seed: u64, counter: u64) -> Examples {
+        let mut rng = Random::new(seed, counter);
         let mut patches = Vec::with_capacity(count * self.patch_len(edge));
         let mut targets = Vec::with_capacity(count);
         for _ in 0..count {
@@ -82,18 +77,18 @@ impl Frames {
 }
 
 impl Frame {
-    fn read(dataset: &Dataset, spec: &NetSpec, index: usize) -> Result<Self, String> {
-        let pair = dataset.pair(index).map_err(|error| error.to_string())?;
-        let scaling = spec.scaling(&pair.gbuffer, pair.radius).map_err(|error| error.to_string())?;
-        let input = spec.input(&pair.gbuffer, scaling, 0).map_err(|error| error.to_string())?;
-        let seen = pair.gbuffer.seen().map_err(|error| error.to_string())?;
+    fn read(dataset: &Dataset, spec: &NetSpec, index: usize) -> Result<Self> {
+        let pair = dataset.pair(index)?;
+        let scaling = spec.scaling(&pair.gbuffer, pair.radius)?;
+        let input = spec.input(&pair.gbuffer, scaling, 0)?;
+        let seen = pair.gbuffer.seen()?;
         let seen = (0..seen.len()).filter(|pixel| seen[*pixel]).collect();
         Ok(Self { input, target: pair.target, seen })
     }
 }
 
 /// The patches of all pixels of some rows of an image, row by row: `[rows * width, channels * edge * edge]`.
-pub(crate) fn patches_of_rows(input: &Planes, edge: usize, rows: std::ops::Range<usize>) -> Vec<f32> {
+pub fn patches_of_rows(input: &Planes, edge: usize, rows: std::ops::Range<usize>) -> Vec<f32> {
     let mut patches = Vec::with_capacity(rows.len() * input.width() * input.channels() * edge * edge);
     for y in rows {
         (0..input.width()).for_each(|x| push_patch(input, edge, y, x, &mut patches));
@@ -101,7 +96,8 @@ pub(crate) fn patches_of_rows(input: &Planes, edge: usize, rows: std::ops::Range
     patches
 }
 
-/// Appends the patch around a pixel, `[channels, edge, edge]`; beyond the image its last rows and columns are repeated.
+/// Appends the patch around a pixel, `[channels, edge, edge]`; beyond the image its last rows and columns are
+/// repeated.
 fn push_patch(input: &Planes, edge: usize, y: usize, x: usize, patches: &mut Vec<f32>) {
     let inside = |at: usize, offset: usize, size: usize| (at + offset).saturating_sub(edge / 2).min(size - 1);
     let width = input.width();
@@ -119,11 +115,11 @@ fn push_patch(input: &Planes, edge: usize, y: usize, x: usize, patches: &mut Vec
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub mod tests {
     use super::*;
 
-    /// Frames of one image of noise, it, and what is to be learned of it: half of a pixel and a quarter of its left
-    /// neighbour's size. Its variance is 0.27.
+    /// Frames of one image of noise, it, and what is to be learned of it: half of a pixel and a quarter of
+    /// its left neighbour's size. Its variance is 0.27.
     pub fn noise() -> (Frames, Planes, Planes) {
         let input = deepshade_infer::parity::noise(1, 24, 30, 5);
         let value =

@@ -1,14 +1,13 @@
-//! `deepshade web`: what the page shows where a browser has no WebGPU, made on this machine by the same code. With it the
-//! values that the browser's images are held against.
+//! `deepshade-studies web`: what the page shows where a browser has no WebGPU, made on this machine by the
+//! same code. With it the values that the browser's images are held against.
 
-use super::showing::{Showing, Sight, Wish, scores};
-use crate::figures::{machine, write_atomically};
-use crate::learned;
-use crate::methods::{LEARNED, TRUTH};
-use crate::render::picture::Exposure;
-use crate::report::images::write_png;
 use anyhow::{Context, Result};
 use clap::builder::RangedU64ValueParser;
+use deepshade::shared::figures::{machine, write_atomically};
+use deepshade::shared::learned;
+use deepshade::shared::methods::{LEARNED, TRUTH};
+use deepshade::shared::pictures::{Exposure, write_png};
+use deepshade::shared::web::{Showing, Sight, Wish, scores};
 use deepshade_infer::Model;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::scene::SceneSource;
@@ -18,8 +17,8 @@ use deepshade_shaders::{Effect, Planes};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What the page begins with, and what is recorded: an effect, two of its methods, a scene and a view of it. Networks are
-/// shown on families that they were not trained on.
+/// What the page begins with, and what is recorded: an effect, two of its methods, a scene and a view of it.
+/// Networks are shown on families that they were not trained on.
 const RECORDED: [(Effect, [&str; 2], Family, u64, usize); 6] = [
     (Effect::Ao, ["hbao", LEARNED], Family::Playground, 3, 2),
     (Effect::Do, ["ssdo", LEARNED], Family::Drapery, 2, 2),
@@ -31,6 +30,7 @@ const RECORDED: [(Effect, [&str; 2], Family, u64, usize); 6] = [
 
 /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
 #[derive(clap::Args)]
+#[command(after_help = "Example:\n  deepshade-studies web --out target/recorded")]
 pub struct Args {
     /// The folder; `recorded.json` in it lists the pictures.
     #[arg(long)]
@@ -47,7 +47,8 @@ pub struct Args {
     /// Only the comparison of this effect.
     #[arg(long)]
     only: Option<Effect>,
-    /// Writes the images' values, too, as 32-bit floats: `[channels, height, width]`, least significant byte first.
+    /// Writes the images' values, too, as 32-bit floats: `[channels, height, width]`, least significant byte
+    /// first.
     #[arg(long)]
     values: bool,
 }
@@ -134,8 +135,12 @@ fn write_values(path: &Path, image: &Planes) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::screen_names;
+    use deepshade::shared::methods::screen_names;
     use deepshade_render::scene::procedural::Split;
+
+    fn models() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
+    }
 
     #[test]
     fn what_is_recorded_is_there_and_networks_are_shown_on_families_of_tests() {
@@ -144,7 +149,7 @@ mod tests {
             for name in methods {
                 assert!(name == LEARNED || screen.contains(&name), "{effect} has no {name}");
             }
-            let model = Path::new("models").join(effect.name());
+            let model = models().join(effect.name());
             let learned = methods.contains(&LEARNED);
             assert!(!learned || learned::is_network(&model), "{effect} has no network");
             assert!(!learned || family.split() == Split::Test, "{} trained the network", family.name());
@@ -156,7 +161,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let args = Args {
             out: folder.path().to_owned(),
-            models: "models".into(),
+            models: models(),
             size: 40,
             samples: 8,
             only: Some(Effect::Ao),
