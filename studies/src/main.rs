@@ -19,7 +19,6 @@ mod slope;
 mod stages;
 mod store;
 mod surfel;
-mod view;
 mod volume_shell;
 
 use anyhow::Result;
@@ -57,8 +56,6 @@ enum Verb {
     Embree(embree::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     Crosscheck(crosscheck::Args),
-    /// Pictures a second of the window by every method, seconds to the first one, memory.
-    View(view::Args),
     /// Training pairs an hour by several workers on this machine, and whether their bytes are those of one
     /// run.
     Farm(farm::Args),
@@ -84,7 +81,6 @@ fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "embree")]
         Verb::Embree(args) => embree::run(args),
         Verb::Crosscheck(args) => crosscheck::run(args),
-        Verb::View(args) => view::run(args),
         Verb::Farm(args) => farm::run(args),
         Verb::Store(args) => store::run(args),
     }
