@@ -1,4 +1,4 @@
-//! Plots: lines through points, over an axis that may be logarithmic, as SVG.
+//! Plots: lines through points, over axes that may be logarithmic, as SVG.
 
 use anyhow::{Result, anyhow};
 use plotters::prelude::*;
@@ -45,8 +45,8 @@ pub enum Style {
     Companion,
 }
 
-/// Colours that people of all kinds of sight can tell apart (Okabe and Ito 2008), without their yellow; after the last the
-/// first again, with triangles for dots.
+/// Colours that people of all kinds of sight can tell apart (Okabe and Ito 2008), without their yellow; after
+/// the last the first again, with triangles for dots.
 const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -89,27 +89,43 @@ impl Plot {
     /// # Errors
     /// If there is no point.
     pub fn svg(&self, title: &str) -> Result<String> {
+        self.scaled_svg(title, [Scale::of(self.is_logarithmic), Scale::Linear])
+    }
+
+    /// As [`Self::svg`], with both axes logarithmic.
+    ///
+    /// # Errors
+    /// If there is no point.
+    pub fn log_log_svg(&self, title: &str) -> Result<String> {
+        self.scaled_svg(title, [Scale::Logarithmic; 2])
+    }
+
+    fn scaled_svg(&self, title: &str, scales: [Scale; 2]) -> Result<String> {
         let mut svg = String::new();
-        self.draw(&mut svg, title).map_err(|error| anyhow!("plot `{title}`: {error}"))?;
+        self.draw(&mut svg, title, scales).map_err(|error| anyhow!("plot `{title}`: {error}"))?;
         Ok(svg)
     }
 
-    /// The points of a line where the axes are linear.
-    fn placed(&self, line: &Line) -> Vec<(f64, f64)> {
-        let x = |x: f64| if self.is_logarithmic { x.log2() } else { x };
-        let points = line.points.iter().map(|point| (x(point.0), point.1));
-        points.filter(|point| point.0.is_finite() && point.1.is_finite()).collect()
-    }
-
-    fn draw(&self, svg: &mut String, title: &str) -> Result<(), Box<dyn std::error::Error>> {
-        let lines: Vec<Vec<(f64, f64)>> = self.lines.iter().map(|line| self.placed(line)).collect();
+    fn draw(
+        &self,
+        svg: &mut String,
+        title: &str,
+        [x_scale, y_scale]: [Scale; 2],
+    ) -> Result<(), Box<dyn std::error::Error>> {
+        let placed = |line: &Line| -> Vec<(f64, f64)> {
+            let points = line.points.iter().map(|point| (x_scale.place(point.0), y_scale.place(point.1)));
+            points.filter(|point| point.0.is_finite() && point.1.is_finite()).collect()
+        };
+        let lines: Vec<Vec<(f64, f64)>> = self.lines.iter().map(placed).collect();
         let keys = self.keys();
-        let level = self.level.iter().map(|level| level.1);
+        let level = self.level.map(|(name, value)| (name, y_scale.place(value)));
         let xs = range(lines.iter().flatten().map(|point| point.0)).ok_or("no points")?;
-        let ys = range(lines.iter().flatten().map(|point| point.1).chain(level)).ok_or("no points")?;
-        let number = |x: &f64| short(if self.is_logarithmic { x.exp2() } else { *x }, 0);
+        let ys = range(lines.iter().flatten().map(|point| point.1).chain(level.map(|level| level.1)))
+            .ok_or("no points")?;
+        let number = |x: &f64| short(x_scale.value(*x), 0);
         // Neighbours on the axis, an eighth of it apart at least, are not to look alike.
-        let digits = (1.0 - (0.125 * (ys.end - ys.start)).log10()).clamp(0.0, 9.0) as usize;
+        let step = y_scale.value(ys.start + 0.125 * (ys.end - ys.start)) - y_scale.value(ys.start);
+        let digits = (1.0 - step.log10()).clamp(0.0, 9.0) as usize;
         let (width, height) = self.legend_size();
         let size = (AXES.0 + width, AXES.1.max(height));
         let area = SVGBackend::with_string(svg, size).into_drawing_area();
@@ -126,7 +142,7 @@ impl Plot {
             .x_desc(self.x)
             .y_desc(self.y)
             .x_label_formatter(&number)
-            .y_label_formatter(&|y| short(*y, digits))
+            .y_label_formatter(&|y| short(y_scale.value(*y), digits))
             .draw()?;
         for ((line, key), points) in self.lines.iter().zip(&keys).zip(lines) {
             if line.style != Style::Points {
@@ -148,7 +164,7 @@ impl Plot {
             legend.draw(&Text::new(line.name.clone(), (32, y - 6), ("sans-serif", 12)))?;
             y += LINE;
         }
-        if let Some((name, value)) = self.level {
+        if let Some((name, value)) = level {
             let grey = BLACK.mix(0.7).stroke_width(2);
             chart.draw_series(DashedLineSeries::new([(xs.start, value), (xs.end, value)], 6, 4, grey))?;
             for x in [4, 16] {
@@ -168,7 +184,8 @@ impl Plot {
         (48 + 7 * longest as u32, (names.len() as u32 + 3) * LINE as u32)
     }
 
-    /// How the lines are drawn: in the next colour if they have none of their own, a companion in that of the line before.
+    /// How the lines are drawn: in the next colour if they have none of their own, a companion in that of the
+    /// line before.
     fn keys(&self) -> Vec<Key> {
         let mut keys: Vec<Key> = Vec::with_capacity(self.lines.len());
         let mut named = 0;
@@ -186,6 +203,35 @@ impl Plot {
             named += usize::from(line.is_named());
         }
         keys
+    }
+}
+
+/// What an axis is divided by.
+#[derive(Clone, Copy)]
+enum Scale {
+    Linear,
+    Logarithmic,
+}
+
+impl Scale {
+    const fn of(is_logarithmic: bool) -> Self {
+        if is_logarithmic { Self::Logarithmic } else { Self::Linear }
+    }
+
+    /// Where a value lies on the axis.
+    fn place(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Logarithmic => value.log2(),
+        }
+    }
+
+    /// The value at a place.
+    fn value(self, place: f64) -> f64 {
+        match self {
+            Self::Linear => place,
+            Self::Logarithmic => place.exp2(),
+        }
     }
 }
 

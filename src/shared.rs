@@ -39,13 +39,13 @@ pub mod statistics {
 
 /// The list of methods.
 pub mod methods {
-    pub use crate::methods::{LEARNED, SLOW, STUDY, TRUTH, names_of, open_screen, screen_names};
+    pub use crate::methods::{TRUTH, open_screen, screen_names};
 }
 
 /// Networks as methods, and where they are.
 pub mod learned {
     pub use crate::engine::Engine;
-    pub use crate::learned::{Learned, is_network, network, usual_folder};
+    pub use crate::learned::{Learned, is_network, network};
 }
 
 /// What training takes by default.

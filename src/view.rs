@@ -1,63 +1,61 @@
 //! `deepshade view`: a window on a scene in motion, methods side by side, and truth that refines behind them.
 //!
-//! Threads work for the window, most for their newest order alone: [`studio`] makes frames on a device of its own, [`truth`]
-//! refines truth while nobody moves, [`judge`] holds one against the other, `training` follows a training run, `trainer` waits for the
-//! end of one, [`layers`] develops those of an EXR file, [`clerk`] reads and writes files. The window waits for none of them.
+//! Threads work for the window ([`workers`]), most for their newest request alone: [`method_worker`] makes
+//! frames on a device of its own, [`truth`] refines truth while nothing moves, [`metrics`] measures one
+//! against the other, `training_run` follows a training run, `training_process` waits for the end of one,
+//! [`file_worker`] reads and writes files. The window waits for none of them.
 
 mod canvas;
-mod caught;
-mod clerk;
-#[cfg(feature = "train")]
-mod curves;
-mod desk;
+mod catch_panic;
+mod display_image;
+mod figures;
+mod file_worker;
 mod film;
-mod judge;
 mod layers;
 mod legend;
 mod lights;
-mod mailbox;
+mod method_worker;
+mod metrics;
 mod outcome;
 mod panel;
 mod parameters;
-mod pictures;
 mod probe;
+mod request_slot;
 mod saved;
-mod script;
-mod stamp;
 mod state;
-mod studio;
 mod subject;
 #[cfg(feature = "train")]
-mod trainer;
+mod training_panel;
 #[cfg(feature = "train")]
-mod training;
+mod training_process;
+#[cfg(feature = "train")]
+mod training_run;
 mod truth;
 mod window;
+mod workers;
 mod zoom;
 
 use crate::arguments::{check_size, reach};
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
-use crate::figures::Figures;
 use crate::place::Place;
 use crate::props;
 use crate::views::Viewpoint;
 use anyhow::{Result, anyhow, bail};
-use clerk::Errand;
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::Setting;
-use desk::Desk;
 use eframe::egui::{self, ViewportBuilder};
 use eframe::egui_wgpu::WgpuConfiguration;
 use eframe::wgpu::CurrentSurfaceTexture;
+use file_worker::FileTask;
 use outcome::Outcome;
-use script::Script;
+use state::State;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
-use window::Window;
+use window::{Screenshot, Window};
+use workers::Workers;
 
 /// Shows a scene in a window, by several methods at once, beside truth.
 #[derive(clap::Args, Clone)]
@@ -65,11 +63,15 @@ use window::Window;
     deepshade view --scene sponza.gltf --effect gi --methods ssgi,surfel\n  \
     deepshade view --scene hall.gltf --put fox.gltf@-5,0,0,0.01,60 --effect fog-direct --extinction 0.2\n  \
     deepshade view --model runs/ao --methods learned,hbao    # while `deepshade train` works on it\n\n\
-    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes nearer, \
-    with Ctrl it enlarges images, as + and - do; the middle button then moves them, and 0 shows all of them. W, A, S, D, Q and \
-    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, difference and FLIP, P keeps a picture of \
+    Drag to go around, with the right button to look around, with the middle one to move; the wheel comes \
+    nearer, \
+    with Ctrl it enlarges images, as + and - do; the middle button then moves them, and 0 shows all of them. \
+    W, A, S, D, Q and \
+    E fly, with Shift faster. Space plays the animation, T turns truth on and off, M goes through image, \
+    difference and FLIP, P keeps a picture of \
     the window. A scene \
-    file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file are shown beside the methods.")]
+    file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file \
+    are shown beside the methods.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "room:7")]
@@ -99,8 +101,8 @@ pub struct Args {
     /// Moment of animations at the beginning, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// Folder or address of the network of `learned`, by default models/EFFECT; the folder of a training run is followed: its
-    /// weights are run from each checkpoint on.
+    /// Folder or address of the network of `learned`, by default models/EFFECT; the folder of a training run
+    /// is followed: its weights are run from each checkpoint on.
     #[arg(long)]
     model: Option<Place>,
     /// Chooses sampled views, added lights and all other random numbers.
@@ -109,10 +111,10 @@ pub struct Args {
     /// An EXR file whose layers are seen beside the methods.
     #[arg(long)]
     exr: Option<PathBuf>,
-    /// Does what this file says, a line a step, instead of waiting for hands; the chapter
-    /// on the window in the book lists them.
-    #[arg(long)]
-    script: Option<PathBuf>,
+    /// Writes an image of the window here as PNG, once truth has --spp samples and figures are there, and
+    /// ends.
+    #[arg(long, value_parser = crate::arguments::png_file)]
+    screenshot: Option<PathBuf>,
     /// Writes the figures here as JSON when the window closes.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -134,14 +136,12 @@ impl Args {
 /// Opens the window and closes it.
 ///
 /// # Errors
-/// If there is no display or no adapter, an argument means nothing, or a step of the script fails.
+/// If there is no display or no adapter, an argument means nothing, or no screenshot can be made.
 pub fn run(args: &Args) -> Result<()> {
-    let began = Instant::now();
+    let outcome = Arc::new(Mutex::new(Outcome::new()));
     check_size(["--height", "--width"], [args.height, args.width])?;
     listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
-    let script = args.script.as_deref().map(Script::read).transpose()?;
-    let outcome = Arc::new(Mutex::new(Outcome::default()));
-    let state = state::State::new(args)?;
+    let state = State::new(args)?;
     let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title(format!("deepshade: {}", args.scene))
@@ -153,32 +153,41 @@ pub fn run(args: &Args) -> Result<()> {
     };
     count_surfaces(&mut options.wgpu_options, &outcome);
     let made = {
-        let (args, outcome) = (Arc::new(args.clone()), Arc::clone(&outcome));
+        let outcome = Arc::clone(&outcome);
         eframe::run_native(
             "deepshade",
             options,
             Box::new(move |creation| {
-                let mut visuals = egui::Visuals::dark();
-                // What is said beside images is read at a glance.
-                visuals.override_text_color = Some(egui::Color32::from_gray(215));
-                creation.egui_ctx.set_visuals(visuals);
-                creation.egui_ctx.set_fonts(fonts());
-                let desk = Desk::new(&args, &creation.egui_ctx)?;
-                let mut window = Window::new(state, desk, script, outcome, began);
-                args.exr.iter().for_each(|file| window.send(Errand::Open(file.clone())));
-                Ok(Box::new(window))
+                style(&creation.egui_ctx);
+                Ok(Box::new(open(state, outcome, &creation.egui_ctx)?))
             }),
         )
     };
     made.map_err(|error| no_window(&error))?;
     let outcome = outcome.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let mut figures = Figures::new("view");
-    outcome.set(&mut figures);
-    figures.write(args.json.as_deref())?;
+    outcome.figures().write(args.json.as_deref())?;
     match outcome.failure {
         Some(failure) => bail!("{failure}"),
         None => Ok(()),
     }
+}
+
+/// Sets fonts and colours.
+fn style(context: &egui::Context) {
+    let mut visuals = egui::Visuals::dark();
+    // What is said beside images is read at a glance.
+    visuals.override_text_color = Some(egui::Color32::from_gray(215));
+    context.set_visuals(visuals);
+    context.set_fonts(fonts());
+}
+
+/// A window with its workers, as the command line wants it.
+fn open(state: State, outcome: Arc<Mutex<Outcome>>, context: &egui::Context) -> Result<Window> {
+    let args = Arc::clone(&state.args);
+    let screenshot = args.screenshot.clone().map(Screenshot::new);
+    let mut window = Window::new(state, Workers::new(&args, context)?, screenshot, outcome);
+    args.exr.iter().for_each(|file| window.send(FileTask::Open(file.clone())));
+    Ok(window)
 }
 
 /// Why there is no window, and what gives one to a machine without a screen.
@@ -225,49 +234,4 @@ fn fonts() -> egui::FontDefinitions {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::Parser as _;
-
-    #[test]
-    fn what_is_said_where_there_is_no_screen_names_no_source_file() {
-        let said =
-            "winit EventLoopError: os error at /home/a/winit-0.30/src/linux/mod.rs:765: no DISPLAY is set";
-        assert_eq!(without_source(said), "no DISPLAY is set");
-        assert_eq!(without_source("another: error"), "another: error");
-    }
-
-    #[test]
-    fn every_control_says_what_it_does() {
-        for (name, text) in [
-            ("panel", include_str!("view/panel.rs")),
-            ("lights", include_str!("view/lights.rs")),
-            ("layers", include_str!("view/layers.rs")),
-            ("film", include_str!("view/film.rs")),
-            #[cfg(feature = "train")]
-            ("trainer", include_str!("view/trainer.rs")),
-        ] {
-            let text = text.split("#[cfg(test)]").next().unwrap_or_default();
-            let count = |what: &[&str]| what.iter().map(|what| text.matches(what).count()).sum::<usize>();
-            let pressed = count(&["ui.button(", "ui.small_button(", "ui.checkbox(", "ui.selectable_label("]);
-            let set =
-                count(&["ui.add(", "ui.add_enabled(", "ui.selectable_value(", ".show_ui(", "ui.collapsing("]);
-            let explained = count(&[".on_hover_text("]);
-            assert!(
-                pressed + set > 0 && pressed + set == explained,
-                "{name}: {pressed} + {set}, {explained}"
-            );
-        }
-    }
-
-    /// What a command line says.
-    pub fn args(line: &str) -> Args {
-        #[derive(clap::Parser)]
-        struct Line {
-            #[command(flatten)]
-            args: Args,
-        }
-        let words = std::iter::once("deepshade").chain(line.split_whitespace());
-        Line::try_parse_from(words).expect("a command line").args
-    }
-}
+mod tests;

@@ -16,13 +16,6 @@ impl Digest {
         self.said(format_args!("{what:?}\n"));
     }
 
-    /// Says many numbers, whose bytes are quicker told than their digits.
-    #[cfg(feature = "view")]
-    pub fn say_all(&mut self, numbers: &[f32]) {
-        self.say(&numbers.len());
-        self.0.update(bytemuck::cast_slice(numbers));
-    }
-
     /// The hash, in hexadecimal.
     pub fn finish(&self) -> String {
         self.0.finalize().to_hex().to_string()

@@ -7,7 +7,6 @@ pub mod images;
 mod markdown;
 pub mod noise;
 mod page;
-mod pareto;
 pub mod record;
 mod scatter;
 mod summary;

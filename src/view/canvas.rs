@@ -1,4 +1,4 @@
-//! Where images are seen: over each other or beside each other, under hands that move the camera.
+//! Where images are seen: over each other or beside each other, and the mouse and keys that move the camera.
 
 use super::legend;
 use super::lights;
@@ -29,7 +29,7 @@ impl Shown<'_> {
     /// What is said of it in its corner.
     fn title(&self) -> String {
         if self.lacks_map {
-            format!("{}: itself, until it is judged", self.name)
+            format!("{}: itself, until it is measured", self.name)
         } else {
             self.name.to_owned()
         }
@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     let shown = window.shown();
     let count = shown.len();
     let Some(first) = shown.first() else {
-        let text = window.said().unwrap_or("reading the scene");
+        let text = window.messages.first().unwrap_or("reading the scene");
         ui.painter().text(
             area.center(),
             Align2::CENTER_CENTER,
@@ -64,20 +64,20 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         return;
     };
     let aspect = first.values.width() as f32 / first.values.height() as f32;
-    let held = match window.state.arrangement {
+    let held = match window.state.look.arrangement {
         Arrangement::Wipe => {
             let place = fitted(area, aspect);
             let names: Vec<String> = shown.iter().map(|image| image.name.to_owned()).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            let place = window.state.zoom.place(place);
-            wipe(ui, place, &window.state.borders(&names), &shown);
+            let place = window.state.look.zoom.place(place);
+            wipe(ui, place, &window.state.look.borders(&names), &shown);
             probe::show(ui, &response, place, &shown, None);
             let held = enlarge(ui, &response, &[place], window)
                 || drag_border(ui, &response, place.seen, window, &names);
             lights::handles(ui, &response, &[place], window, held)
         }
         Arrangement::Tiles => {
-            let zoom = window.state.zoom;
+            let zoom = window.state.look.zoom;
             let places: Vec<Place> =
                 tiles(area, aspect, count).into_iter().map(|place| zoom.place(place)).collect();
             for (place, image) in places.iter().zip(&shown) {
@@ -93,7 +93,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             lights::handles(ui, &response, &places, window, held)
         }
     };
-    legend::show(ui, area, window.state.map, window.state.reference());
+    legend::show(ui, area, window.state.look.map, window.state.reference());
     if !held {
         steer(ui, &response, window);
     }
@@ -158,7 +158,7 @@ fn wipe(ui: &Ui, place: Place, borders: &[f32], shown: &[Shown<'_>]) {
 /// Moves the border under the pointer. Whether it has hold of one.
 fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, names: &[&str]) -> bool {
     let held = ui.scope_id().with("border");
-    let borders = window.state.borders(names);
+    let borders = window.state.look.borders(names);
     let x = |share: f32| place.left() + share * place.width();
     let near = |at: Pos2| borders.iter().position(|border| (x(*border) - at.x).abs() < GRIP);
     if let Some(at) = response.hover_pos()
@@ -179,13 +179,13 @@ fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, n
     else {
         return false;
     };
-    window.state.put_border(names, index, (at.x - place.left()) / place.width());
+    window.state.look.put_border(names, index, (at.x - place.left()) / place.width());
     true
 }
 
 /// Enlarges images as wheel and keys say, and moves what is enlarged. Whether it is moved.
 fn enlarge(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
-    let zoom = &mut window.state.zoom;
+    let zoom = &mut window.state.look.zoom;
     let pointer = response.hover_pos().or(response.interact_pointer_pos());
     let under = pointer.and_then(|at| Some((at, *places.iter().find(|place| place.seen.contains(at))?)));
     if let Some((at, place)) = under {
@@ -214,7 +214,7 @@ fn enlarge(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) 
 
 /// Moves the camera as pointer, wheel and keys say.
 fn steer(ui: &Ui, response: &Response, window: &mut Window) {
-    let diagonal = window.subject.as_ref().map_or(1.0, |subject| subject.diagonal);
+    let diagonal = window.results.subject.as_ref().map_or(1.0, |subject| subject.diagonal);
     let Some(pilot) = window.state.pilot.as_mut() else { return };
     let drag = response.drag_delta() / response.rect.height().max(1.0);
     let drag = Vec2::new(drag.x, drag.y);

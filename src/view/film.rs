@@ -1,10 +1,10 @@
-//! The animation as a film: frame after frame at the animation's own times, however long each takes, as PNG files and, where
-//! ffmpeg is installed, as a video.
+//! The animation as a film: frame after frame at the animation's own times, however long each takes, as PNG
+//! files and, where ffmpeg is installed, as a video.
 
-use super::clerk::Errand;
+use super::file_worker::FileTask;
+use super::method_worker::Show;
 use super::saved::free;
 use super::state::Arrangement;
-use super::studio::Show;
 use super::window::Window;
 use crate::report::images::write_png;
 use anyhow::{Context, Result, ensure};
@@ -132,20 +132,18 @@ impl Made {
 }
 
 impl Window {
-    /// Begins to record the animation into a folder, or into one that is free, so many frames a second; where time has no end, as
-    /// many seconds of it as hands have chosen.
-    pub fn record(&mut self, folder: Option<PathBuf>, rate: f32) {
-        let Some([begin, end]) = self.timeline() else {
-            return self.refuse("nothing is animated here that could be recorded".to_owned());
-        };
+    /// Begins to record the animation into a folder that is free; where time has no end, as many seconds of
+    /// it as the user has chosen.
+    fn begin_recording(&mut self, [begin, end]: [f32; 2]) {
+        let rate = self.state.film_rate;
         let seconds = if end.is_finite() { end - begin } else { self.state.film_seconds };
         let frames = (seconds * rate).round();
         if !(1.0..=FRAMES).contains(&frames) {
-            return self.refuse(format!("{rate} frames a second: {frames} frames of {seconds} s"));
+            return self.set_error(format!("{rate} frames a second: {frames} frames of {seconds} s"));
         }
         self.state.playing = false;
         self.recording = Some(Recording {
-            folder: folder.unwrap_or_else(|| free("film", "")),
+            folder: free(&self.files.folder, "film", ""),
             rate,
             begin,
             frame: 0,
@@ -163,29 +161,27 @@ impl Window {
     }
 
     /// Keeps the picture if it is the film's next frame, and goes on to the one after it.
-    pub fn go_on_recording(&mut self) {
+    pub fn record_frame(&mut self) {
         let Some(recording) = &self.recording else { return };
         if recording.show != self.state.show {
             self.stop_recording();
-            return self.refuse("the film has ended: something else is shown now".to_owned());
+            return self.set_error("the film has ended: something else is shown now".to_owned());
         }
-        let moment = recording.moment();
         self.state.playing = false;
-        self.state.time = moment;
-        let Some(picture) = self.picture.as_ref().filter(|_| self.is_as_wanted() && self.errands < WAITING)
-        else {
+        self.state.time = recording.moment();
+        let path = recording.folder.join(format!("{:05}.png", recording.frame));
+        let Some(picture) = self.results.picture.clone() else { return };
+        if !self.is_as_wanted() || self.files.pending >= WAITING {
             return;
-        };
+        }
         let shown = picture.images.iter().chain(&picture.inspected);
         let (names, pictures): (Vec<&str>, Vec<_>) =
             shown.map(|image| (image.name.as_str(), Arc::clone(&image.picture))).unzip();
-        let path = recording.folder.join(format!("{:05}.png", recording.frame));
-        let borders = self.state.borders(&names);
-        self.send(Errand::Frame(Still { pictures, arrangement: self.state.arrangement, borders }, path));
-        self.next_frame();
-    }
-
-    fn next_frame(&mut self) {
+        let borders = self.state.look.borders(&names);
+        self.send(FileTask::Frame(
+            Still { pictures, arrangement: self.state.look.arrangement, borders },
+            path,
+        ));
         let Some(recording) = &mut self.recording else { return };
         recording.frame += 1;
         if recording.frame < recording.frames {
@@ -194,13 +190,13 @@ impl Window {
         }
         let Recording { folder, rate, frames, .. } = recording;
         let made = Made { folder: folder.clone(), rate: *rate, frames: *frames };
-        self.send(Errand::Film(made));
+        self.send(FileTask::Film(made));
         self.stop_recording();
     }
 }
 
 /// The button that records, and how far a film is.
-pub fn show(ui: &mut Ui, window: &mut Window) {
+pub fn show(ui: &mut Ui, window: &mut Window, timeline: [f32; 2]) {
     if let Some(recording) = &window.recording {
         let share = recording.frame as f32 / recording.frames as f32;
         let text = format!("frame {} of {}", recording.frame, recording.frames);
@@ -210,19 +206,17 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         }
         return;
     }
-    let is_endless = window.timeline().is_some_and(|[_, end]| end.is_infinite());
     ui.horizontal_wrapped(|ui| {
         let state = &mut window.state;
         let rate = DragValue::new(&mut state.film_rate).range(1.0..=240.0).suffix(" frames/s");
         ui.add(rate).on_hover_text("of the film");
-        if is_endless {
+        if timeline[1].is_infinite() {
             let seconds = DragValue::new(&mut state.film_seconds).range(0.1..=3600.0).speed(0.1).suffix(" s");
             ui.add(seconds).on_hover_text("how long the film is");
         }
         let hint = "every frame of the animation as PNG, and a video where ffmpeg is installed";
         if ui.button("record").on_hover_text(hint).clicked() {
-            let rate = window.state.film_rate;
-            window.record(None, rate);
+            window.begin_recording(timeline);
         }
     });
 }

@@ -1,9 +1,7 @@
 //! An EXR file beside the methods: its layers as pictures.
 
-use super::caught::caught;
-use super::desk::News;
-use super::mailbox::Mailbox;
-use super::pictures::Developed;
+use super::display_image::DisplayImage;
+use super::file_worker::FileTask;
 use super::state::Map;
 use super::window::Window;
 use crate::output::message;
@@ -33,6 +31,21 @@ impl PartialEq for Opened {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.image, &other.image)
     }
+}
+
+/// The EXR file beside the methods.
+#[derive(Default)]
+pub struct FileLayers {
+    /// It.
+    pub opened: Option<Opened>,
+    /// Which of its layers are to be seen.
+    pub chosen: Vec<String>,
+    /// Images of these.
+    pub images: Vec<DisplayImage>,
+    /// The choice that these are of.
+    pub seen: Option<Choice>,
+    /// Whether images of another one are being made.
+    pending: bool,
 }
 
 /// Which layers are to be seen, and how they are exposed.
@@ -70,34 +83,26 @@ impl Opened {
 }
 
 impl Choice {
-    /// Pictures of the layers.
+    /// Images of the layers.
     ///
     /// # Errors
     /// If the file lacks one.
-    fn developed(&self) -> Result<Vec<Developed>> {
+    pub fn images(&self) -> Result<Vec<DisplayImage>> {
         let Opened { name, image, .. } = &self.opened;
         let picture = |layer: &String| {
             let values = image.layer(layer).with_context(|| format!("{name}: layer {layer}"))?;
             let name = format!("{name}: {layer}");
             Ok(match exposure(layer, &values, self.exposure, self.stops) {
-                Some(exposure) => Developed::new(&name, values, exposure),
-                None => Developed::stretched(&name, values),
+                Some(exposure) => DisplayImage::new(&name, values, exposure),
+                None => DisplayImage::stretched(&name, values),
             })
         };
         self.layers.iter().map(picture).collect()
     }
 }
 
-/// Develops the newest choice until the mailbox is closed.
-pub fn run(orders: &Mailbox<Choice>, tell: &dyn Fn(News)) {
-    while let Some(choice) = orders.take() {
-        let developed = caught("layers of an EXR file", || choice.developed());
-        tell(News::Layers(choice, developed.map_err(|error| message(&error))));
-    }
-}
-
-/// How a layer is exposed, as the methods' images are or as suits it, and so many stops brighter; not at all where it is no picture but
-/// is stretched over its own range.
+/// How a layer is exposed, as the methods' images are or as suits it, and so many stops brighter; not at all
+/// where it is no picture but is stretched over its own range.
 fn exposure(layer: &str, values: &Planes, of_methods: Option<Exposure>, stops: f32) -> Option<Exposure> {
     let highest = values.data().iter().copied().filter(|value| value.is_finite()).fold(0.0, f32::max);
     let is_lone = values.channels() == 1;
@@ -122,22 +127,23 @@ fn attribute(layer: &str) -> Option<Attribute> {
 
 /// Shows which layers there are.
 pub fn show(ui: &mut Ui, window: &mut Window) {
-    let Some(opened) = window.opened.clone() else { return };
+    let Some(opened) = window.layers.opened.clone() else { return };
     ui.separator();
     ui.horizontal_wrapped(|ui| {
         ui.strong(&opened.name);
         if ui.small_button("close").on_hover_text("looks at the methods alone again").clicked() {
-            window.close_layers();
+            window.replace_layers(FileLayers::default());
         }
     });
+    let chosen = &mut window.layers.chosen;
     ui.horizontal_wrapped(|ui| {
         for layer in opened.layers.iter().take(LISTED) {
-            let chosen = window.layers.contains(layer);
+            let index = chosen.iter().position(|other| other == layer);
             let hint = "whether this layer of the file is seen beside the images";
-            if ui.selectable_label(chosen, layer).on_hover_text(hint).clicked() {
-                match chosen {
-                    true => window.layers.retain(|other| other != layer),
-                    false => window.layers.push(layer.clone()),
+            if ui.selectable_label(index.is_some(), layer).on_hover_text(hint).clicked() {
+                match index {
+                    Some(index) => drop(chosen.remove(index)),
+                    None => chosen.push(layer.clone()),
                 }
             }
         }
@@ -145,83 +151,52 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
 }
 
 impl Window {
-    /// Shows exactly these layers of the file that is open.
-    ///
-    /// # Errors
-    /// If there is no file, or it has no such layer; those that it has are listed.
-    pub fn choose_layers(&mut self, layers: &[String]) -> Result<()> {
-        let opened = self.opened.as_ref().context("no EXR file is open")?;
-        for layer in layers {
-            let there = opened.layers.join(", ");
-            ensure!(
-                opened.layers.contains(layer),
-                "{} has no layer `{layer}`; there are {there}",
-                opened.name
-            );
-        }
-        self.layers = layers.to_vec();
-        Ok(())
-    }
-
-    /// Looks at the methods alone again.
-    pub fn close_layers(&mut self) {
-        (self.opened, self.developing, self.develops) = (None, None, false);
-        self.layers.clear();
-        self.put_away_layers();
-    }
-
-    /// Forgets the pictures of layers.
-    pub fn put_away_layers(&mut self) {
-        for picture in std::mem::take(&mut self.developed) {
-            self.hide(&picture.name);
+    fn replace_layers(&mut self, layers: FileLayers) {
+        let pending = self.layers.pending;
+        for image in std::mem::replace(&mut self.layers, FileLayers { pending, ..layers }).images {
+            self.results.textures.remove(&(image.name, Map::Image));
         }
     }
 
     /// Takes a file that was read.
     pub fn take_opened(&mut self, opened: Opened) {
-        self.close_layers();
-        self.layers = opened.first();
-        self.opened = Some(opened);
+        let (chosen, opened) = (opened.first(), Some(opened));
+        self.replace_layers(FileLayers { opened, chosen, ..FileLayers::default() });
     }
 
     /// Which layers are to be seen of the file that is open, and how.
     pub fn choice_of_layers(&self) -> Option<Choice> {
-        let opened = self.opened.clone()?;
-        let exposure = self.picture.as_ref().and_then(|picture| picture.exposure);
-        Some(Choice { opened, layers: self.layers.clone(), exposure, stops: self.state.stops })
+        let opened = self.layers.opened.clone()?;
+        let exposure = self.results.picture.as_ref().and_then(|picture| picture.exposure);
+        Some(Choice { opened, layers: self.layers.chosen.clone(), exposure, stops: self.state.look.stops })
     }
 
-    /// Has the layers developed that are to be seen, where those that are seen are others or otherwise exposed.
-    pub fn order_layers(&mut self) {
-        let Some(choice) = self.choice_of_layers().filter(|choice| self.developing.as_ref() != Some(choice))
-        else {
-            return;
-        };
-        self.order_development(choice.clone());
-        (self.developing, self.develops) = (Some(choice), true);
+    /// Requests the layers that are to be seen, one choice at a time, where those that are seen are others or
+    /// otherwise exposed.
+    pub fn request_layers(&mut self) {
+        let choice = self.choice_of_layers().filter(|choice| self.layers.seen.as_ref() != Some(choice));
+        if let Some(choice) = choice.filter(|_| !self.layers.pending) {
+            self.layers.pending = true;
+            self.send(FileTask::Layers(Box::new(choice)));
+        }
     }
 
-    /// Takes pictures of layers. Hands may have chosen others meanwhile, or closed the file.
-    pub fn take_layers(
-        &mut self,
-        context: &Context,
-        choice: &Choice,
-        developed: Result<Vec<Developed>, String>,
-    ) {
-        let Some(wanted) = self.developing.as_ref().filter(|wanted| wanted.opened == choice.opened) else {
-            return;
-        };
-        self.develops &= wanted != choice;
-        if wanted.layers != choice.layers {
+    /// Takes images of layers, or why there are none. The user may have opened another file meanwhile, or
+    /// closed it.
+    pub fn take_layers(&mut self, context: &Context, choice: Choice, images: Result<Vec<DisplayImage>>) {
+        self.layers.pending = false;
+        if self.layers.opened.as_ref() != Some(&choice.opened) {
             return;
         }
-        match developed {
-            Ok(pictures) => {
-                self.put_away_layers();
-                pictures.iter().for_each(|it| self.show(context, &it.name, Map::Image, &it.picture));
-                self.developed = pictures;
-            }
-            Err(what) => self.refuse(what),
+        let images = images.unwrap_or_else(|error| {
+            self.set_error(message(&error));
+            Vec::new()
+        });
+        let FileLayers { opened, chosen, .. } = &self.layers;
+        let (opened, chosen) = (opened.clone(), chosen.clone());
+        self.replace_layers(FileLayers { opened, chosen, images, seen: Some(choice), pending: false });
+        for image in self.layers.images.clone() {
+            self.set_texture(context, &image.name, Map::Image, &image.picture);
         }
     }
 }
@@ -241,8 +216,9 @@ mod tests {
         assert_eq!(exposure("Z", &Planes::filled(1, 2, 2, 30.0), Some(tone), 0.0), None);
         assert_eq!(exposure("target.ao", &Planes::filled(1, 2, 2, 0.7), None, 0.0), Some(Exposure::Plain));
     }
+
     #[test]
-    fn of_many_choices_the_newest_is_developed() {
+    fn layers_are_read_and_one_that_is_missing_is_named() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("layers.exr");
         let values = Planes::filled(1, 2, 3, 0.25);
@@ -250,28 +226,10 @@ mod tests {
         exr_file::write(&path, &layers, &exr_file::Metadata::default()).expect("written");
         let opened = Opened::read(&path).expect("a file");
         assert!(opened == opened.clone() && opened != Opened::read(&path).expect("a file"));
-        let choice = |layer: &str, stops| Choice {
-            opened: opened.clone(),
-            layers: vec![layer.to_owned()],
-            exposure: None,
-            stops,
-        };
-        let orders = Mailbox::default();
-        (0..100u8).for_each(|stops| orders.put(choice("ao", f32::from(stops) / 100.0)));
-        let told = std::cell::RefCell::new(Vec::new());
-        let tell = |news| {
-            if let News::Layers(choice, developed) = news {
-                told.borrow_mut().push((choice, developed.map(|pictures| pictures.len())));
-            }
-            // One that fails is told of, too, and is the last.
-            match told.borrow().len() {
-                1 => orders.put(choice("shadow", 0.0)),
-                _ => orders.close(),
-            }
-        };
-        run(&orders, &tell);
-        let told = told.into_inner();
-        assert!(told.len() == 2 && told[0].0 == choice("ao", 0.99) && told[0].1 == Ok(1));
-        assert!(told[1].1.as_ref().is_err_and(|what| what.contains("shadow")), "{:?}", told[1].1);
+        let layers = opened.first();
+        let choice = Choice { opened, layers, exposure: None, stops: 0.0 };
+        assert_eq!(choice.images().expect("an image")[0].name, "layers.exr: ao");
+        let missing = Choice { layers: vec!["shadow".to_owned()], ..choice };
+        assert!(missing.images().err().expect("no layer").to_string().contains("shadow"));
     }
 }

@@ -12,7 +12,8 @@ const COLUMNS: usize = 48;
 /// Points of the colour bar.
 const SIZE: [f32; 2] = [192.0, 10.0];
 
-/// Shows which colour is which difference in the lower right corner of an area; nothing where images themselves are seen.
+/// Shows which colour is which difference in the lower right corner of an area; nothing where images
+/// themselves are seen.
 pub fn show(ui: &Ui, area: Rect, map: Map, against: &str) {
     let (colours, [low, high], title): (fn(f32) -> Vec3, [f32; 2], String) = match map {
         Map::Image => return,

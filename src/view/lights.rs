@@ -1,4 +1,4 @@
-//! Lights under hands: their places and directions as numbers, and as handles on the images.
+//! Lights that the user moves: their places and directions as numbers, and as handles on the images.
 
 use super::window::Window;
 use super::zoom::Place;
@@ -13,14 +13,14 @@ use std::ops::RangeInclusive;
 const GRIP: f32 = 9.0;
 /// How far a sun's handle is from what the camera goes around, as a share of the camera's distance from that.
 const SUN: f32 = 0.3;
-/// How far hands turn lights up and down, degrees.
+/// How far the user turns lights up and down, degrees.
 const STEEPEST: f32 = 89.9;
 /// Lights with numbers beside the images.
 const LISTED: usize = 16;
 
 /// Places, directions and powers as numbers.
 pub fn show(ui: &mut Ui, window: &mut Window) {
-    let (Some(lights), Some(subject)) = (&mut window.state.lights, &window.subject) else { return };
+    let (Some(lights), Some(subject)) = (&mut window.state.lights, &window.results.subject) else { return };
     if lights.is_empty() {
         return;
     }
@@ -80,7 +80,7 @@ fn placed(ui: &mut Ui, light: &mut Light, step: f32) {
     }
 }
 
-/// A slider that leaves what it is given as it is until a hand moves it.
+/// A slider that leaves what it is given as it is until the user moves it.
 fn slider<'a>(
     value: &'a mut f32,
     range: RangeInclusive<f32>,
@@ -126,12 +126,12 @@ struct Held {
     side: f32,
 }
 
-/// Shows where lights are on the images at `places`, but for those that animations move, and moves the one that is dragged, as
-/// far away as it is, unless the pointer has `held` something else. A sun's handle goes around what the camera does. Whether
-/// the pointer has hold of anything.
+/// Shows where lights are on the images at `places`, but for those that animations move, and moves the one
+/// that is dragged, as far away as it is, unless the pointer has `held` something else. A sun's handle goes
+/// around what the camera does. Whether the pointer has hold of anything.
 pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window, held: bool) -> bool {
     let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return held };
-    let Some(subject) = &window.subject else { return held };
+    let Some(subject) = &window.results.subject else { return held };
     let camera = &pilot.camera;
     let middle = pilot.pivot();
     let reach = SUN * middle.distance(camera.position);
@@ -159,17 +159,18 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Wind
     if held {
         return true;
     }
-    let in_hand = Id::unique("light in hand");
+    let held_light = Id::unique("held light");
     if response.drag_started_by(PointerButton::Primary) {
         let origin = ui.input(|input| input.pointer.press_origin());
         let near = |spot: &Pos2| origin.is_some_and(|origin| spot.distance(origin) < GRIP);
         let taken = seen.iter().find(|(_, spot)| near(spot)).map(|(held, _)| *held);
-        ui.data_mut(|data| data.insert_temp(in_hand, taken));
+        ui.data_mut(|data| data.insert_temp(held_light, taken));
     }
     if response.drag_stopped() {
-        ui.data_mut(|data| data.insert_temp(in_hand, None::<Held>));
+        ui.data_mut(|data| data.insert_temp(held_light, None::<Held>));
     }
-    let Some(Held { image, light, side }) = ui.data(|data| data.get_temp::<Option<Held>>(in_hand)).flatten()
+    let Some(Held { image, light, side }) =
+        ui.data(|data| data.get_temp::<Option<Held>>(held_light)).flatten()
     else {
         return false;
     };
@@ -191,13 +192,15 @@ pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Wind
     true
 }
 
-/// By how much a sun turns whose handle, before the middle of an image at `place`, goes by points of the window.
+/// By how much a sun turns whose handle, before the middle of an image at `place`, goes by points of the
+/// window.
 fn radians(camera: &Camera, points: eframe::egui::Vec2, place: Rect) -> Vec2 {
     let radius = SUN * 0.5 * place.height() / (0.5 * camera.vertical_fov).tan();
     Vec2::new(points.x, points.y) / radius.max(1.0)
 }
 
-/// The direction of a sun that is turned as a ball is whose near side a hand moves to the right and down, radians.
+/// The direction of a sun that is turned as a ball is whose near side is moved to the right and down,
+/// radians.
 fn turned(camera: &Camera, direction: Vec3, drag: Vec2) -> Vec3 {
     let Mat3 { x_axis, y_axis, .. } = camera.rotation;
     (Mat3::from_axis_angle(y_axis, drag.x) * Mat3::from_axis_angle(x_axis, drag.y) * direction).normalize()

@@ -1,12 +1,13 @@
-//! The choices beside the images, and the figures under them.
+//! The choices beside the images.
 
-#[cfg(feature = "train")]
-use super::curves;
+use super::figures;
 use super::film;
 use super::layers;
 use super::lights;
 use super::parameters;
 use super::state::{Arrangement, Map, State};
+#[cfg(feature = "train")]
+use super::training_panel;
 use super::window::Window;
 use crate::arguments::EDGES;
 use crate::methods::{self, TRUTH};
@@ -14,7 +15,7 @@ use deepshade_render::methods::Quality;
 use deepshade_shaders::effect::Setting;
 use deepshade_shaders::{Attribute, Effect};
 use eframe::egui::{
-    Button, Color32, ComboBox, DragValue, Grid, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
+    Button, Color32, ComboBox, DragValue, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
     style::ScrollStyle,
 };
 
@@ -37,11 +38,11 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         look(ui, window);
         layers::show(ui, window);
         ui.separator();
-        truth(ui, window);
-        figures(ui, window);
+        figures::truth(ui, window);
+        figures::metrics(ui, window);
         #[cfg(feature = "train")]
-        curves::show(ui, window);
-        passes(ui, window);
+        training_panel::show(ui, window);
+        figures::passes(ui, window);
     });
 }
 
@@ -49,7 +50,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
 fn said(ui: &mut Ui, window: &Window) {
     let red = |message: &String| RichText::new(message).color(Color32::from_rgb(255, 120, 90));
     let words: Vec<RichText> =
-        window.message.iter().map(red).chain(window.note.iter().map(RichText::new)).collect();
+        window.messages.error.iter().map(red).chain(window.messages.note.iter().map(RichText::new)).collect();
     if words.is_empty() {
         return;
     }
@@ -70,20 +71,20 @@ fn keys(ui: &Ui, window: &mut Window) {
     let [space, t, m, p] =
         ui.input(|input| [Key::Space, Key::T, Key::M, Key::P].map(|key| input.key_pressed(key)));
     if p {
-        window.shoot(ui.ctx(), None);
+        window.request_screenshot(ui.ctx(), None);
     }
     let state = &mut window.state;
     state.playing ^= space;
     state.truth ^= t;
     if m {
-        state.map = state.map.next();
+        state.look.map = state.look.map.next();
     }
 }
 
 fn scene(ui: &mut Ui, window: &mut Window) {
     let name = window.state.show.source.to_string();
     ui.heading(name);
-    let Some(subject) = window.subject.clone() else { return };
+    let Some(subject) = window.results.subject.clone() else { return };
     for added in &subject.added {
         ui.label(RichText::new(added).small().weak());
     }
@@ -108,15 +109,15 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         }
         let hint = "every image, and a comparison that makes them without a window";
         if ui.button("save").on_hover_text(hint).clicked() {
-            window.save(None);
+            window.save();
         }
         if ui.button("screenshot").on_hover_text("the whole window as PNG: P").clicked() {
-            window.shoot(ui.ctx(), None);
+            window.request_screenshot(ui.ctx(), None);
         }
     });
     if let Some(span) = window.timeline() {
         timeline(ui, &mut window.state, span);
-        film::show(ui, window);
+        film::show(ui, window, span);
     }
 }
 
@@ -177,7 +178,7 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     choice.response.on_hover_text("how much time analytic methods may take for a better image");
     let hint = "less noise, by what of frames before is seen again; it follows what moves late";
     ui.checkbox(&mut show.temporal, "mixed with frames before").on_hover_text(hint);
-    let (Some(picture), Some(subject)) = (&window.picture, &window.subject) else { return };
+    let (Some(picture), Some(subject)) = (&window.results.picture, &window.results.subject) else { return };
     if wanted.listens_to(Setting::Radius) {
         let mut radius = state.show.radius.unwrap_or(picture.radius);
         ui.horizontal_wrapped(|ui| {
@@ -207,7 +208,8 @@ fn look(ui: &mut Ui, window: &mut Window) {
                 Arrangement::Wipe => "images over each other, with borders that can be dragged",
                 Arrangement::Tiles => "images beside each other",
             };
-            ui.selectable_value(&mut state.arrangement, arrangement, arrangement.name()).on_hover_text(hint);
+            ui.selectable_value(&mut state.look.arrangement, arrangement, arrangement.name())
+                .on_hover_text(hint);
         }
         ui.separator();
         for map in Map::ALL {
@@ -216,18 +218,18 @@ fn look(ui: &mut Ui, window: &mut Window) {
                 Map::Difference => "how far they are from what they are held against, darker or brighter",
                 Map::Flip => "how far they look from it: FLIP",
             };
-            ui.selectable_value(&mut state.map, map, map.name()).on_hover_text(hint);
+            ui.selectable_value(&mut state.look.map, map, map.name()).on_hover_text(hint);
         }
     });
     let choice = ComboBox::from_label("is held against").selected_text(state.reference()).show_ui(ui, |ui| {
-        ui.selectable_value(&mut state.against, None, TRUTH).on_hover_text("the path-traced image");
+        ui.selectable_value(&mut state.look.against, None, TRUTH).on_hover_text("the path-traced image");
         for method in &state.show.methods {
             let hint = format!("the image of {method}");
-            ui.selectable_value(&mut state.against, Some(*method), *method).on_hover_text(hint);
+            ui.selectable_value(&mut state.look.against, Some(*method), *method).on_hover_text(hint);
         }
     });
     choice.response.on_hover_text("what differences and figures are measured against");
-    let stops = Slider::new(&mut state.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
+    let stops = Slider::new(&mut state.look.stops, -6.0..=6.0).clamping(SliderClamping::Edits);
     let hint = "how much brighter images are shown";
     ui.add(stops.suffix(" stops").text("brighter")).on_hover_text(hint);
     if ui.button("expose anew").on_hover_text("as suits what is shown now").clicked() {
@@ -253,53 +255,4 @@ fn look(ui: &mut Ui, window: &mut Window) {
         ui.add(edge(height, 2160)).on_hover_text("rows of the images");
         ui.label("pixels");
     });
-}
-
-fn truth(ui: &mut Ui, window: &mut Window) {
-    ui.horizontal_wrapped(|ui| {
-        let hint = "whether truth is path-traced while nothing moves: T";
-        ui.checkbox(&mut window.state.truth, "truth, up to").on_hover_text(hint);
-        let samples = DragValue::new(&mut window.state.samples).range(8..=16_384);
-        let samples = samples.clamp_existing_to_range(false).suffix(" samples");
-        ui.add(samples).on_hover_text("samples of a pixel at which truth rests");
-    });
-    if let Some(truth) = window.truth_of_picture() {
-        let noise = 100.0 * truth.noise;
-        ui.label(format!("{} samples in {:.1} s, noise {noise:.1} %", truth.samples, truth.seconds));
-    }
-}
-
-fn figures(ui: &mut Ui, window: &Window) {
-    let Some(verdict) = window.verdict_of_picture() else { return };
-    Grid::new("figures").striped(true).show(ui, |ui| {
-        for head in [verdict.against, "SSIM", "FLIP", "relMSE"] {
-            ui.strong(head);
-        }
-        ui.end_row();
-        let judged = verdict.judged.iter().map(|judged| (judged.name.as_str(), judged.scores));
-        let ceiling = window.ceiling().map(|ceiling| ("half against half", ceiling));
-        for (name, scores) in judged.chain(ceiling) {
-            ui.label(name);
-            ui.monospace(format!("{:.3}", scores.ssim));
-            ui.monospace(format!("{:.3}", scores.flip));
-            ui.monospace(format!("{:.4}", scores.relative_mse));
-            ui.end_row();
-        }
-    });
-    if let Some(said) = window.ceiling().and_then(|ceiling| verdict.within_noise(ceiling)) {
-        ui.label(RichText::new(said).small());
-    }
-}
-
-fn passes(ui: &mut Ui, window: &Window) {
-    let Some(picture) = &window.picture else { return };
-    ui.separator();
-    Grid::new("passes").striped(true).show(ui, |ui| {
-        for (name, milliseconds) in &picture.passes {
-            ui.label(name);
-            ui.monospace(format!("{milliseconds:9.2} ms"));
-            ui.end_row();
-        }
-    });
-    ui.label(format!("{:.1} pictures a second", window.rate));
 }

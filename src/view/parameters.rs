@@ -1,4 +1,5 @@
-//! Sliders, boxes and lists for what can be set of the methods that are shown: names, ranges, units, texts and what is usual are the parameters' own.
+//! Sliders, boxes and lists for what can be set of the methods that are shown: names, ranges, units, texts
+//! and what is usual are the parameters' own.
 
 use super::state::State;
 use crate::methods;

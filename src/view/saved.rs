@@ -1,8 +1,9 @@
-//! What the window shows, in a folder: every image as EXR and PNG, the g-buffer, and a comparison that makes them without a window.
+//! What the window shows, in a folder: every image as EXR and PNG, the g-buffer, and a comparison that makes
+//! them without a window.
 
 use super::Args;
-use super::pictures::{Developed, rgb};
-use super::studio::{Picture, Show};
+use super::display_image::{DisplayImage, rgb};
+use super::method_worker::{Picture, Show};
 use super::window::Window;
 use crate::compare::{Comparison, MethodChoice, Run};
 use crate::complete::{Additions, LAMP_ADDED};
@@ -32,10 +33,10 @@ const GBUFFER: &str = "gbuffer.exr";
 /// What a window shows at a moment, and how it came to be.
 pub struct Moment {
     picture: Arc<Picture>,
-    truth: Option<Developed>,
+    truth: Option<DisplayImage>,
     /// Samples at which truth rests.
     samples: u32,
-    /// Where the network that hands have chosen is from.
+    /// Where the network that the user has chosen is from.
     model: Option<Place>,
     args: Arc<Args>,
 }
@@ -43,8 +44,8 @@ pub struct Moment {
 impl Moment {
     /// Now, once there is a picture.
     pub fn of(window: &Window) -> Option<Self> {
-        let picture = Arc::clone(window.picture.as_ref()?);
-        let model = picture.order.show.model.as_deref();
+        let picture = Arc::clone(window.results.picture.as_ref()?);
+        let model = picture.request.show.model.as_deref();
         Some(Self {
             model: model.map(|folder| window.state.place_of_network(folder)),
             picture,
@@ -55,10 +56,11 @@ impl Moment {
     }
 }
 
-/// The first of `view-1`, `view-2` and so on that is not there yet, or of another name and ending.
-pub fn free(name: &str, ending: &str) -> PathBuf {
+/// The first of `view-1`, `view-2` and so on in a folder that is not there yet, or of another name and
+/// ending.
+pub fn free(folder: &Path, name: &str, ending: &str) -> PathBuf {
     (1u32..)
-        .map(|number| PathBuf::from(format!("{name}-{number}{ending}")))
+        .map(|number| folder.join(format!("{name}-{number}{ending}")))
         .find(|path| !path.exists())
         .unwrap_or_default()
 }
@@ -73,9 +75,9 @@ pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
     // Before the images: what cannot be said again leaves none.
     let text = format!("{}{}", head(picture, folder), comparison(moment)?.keys(folder)?);
     let facts: Metadata = [
-        ("scene", picture.order.show.source.to_string()),
-        ("effect", picture.order.show.effect.to_string()),
-        ("time", picture.order.time.to_string()),
+        ("scene", picture.request.show.source.to_string()),
+        ("effect", picture.request.show.effect.to_string()),
+        ("time", picture.request.time.to_string()),
         ("camera_position", picture.camera.position.to_string()),
         ("camera_rotation", picture.camera.rotation.to_string()),
         ("radius_metres", picture.radius.to_string()),
@@ -102,10 +104,10 @@ fn head(picture: &Picture, folder: &Path) -> String {
     if picture.lights != picture.subject.animated.scene.lights {
         lines.push("Lights are where the scene has them, not where they were dragged to.".to_owned());
     }
-    if picture.order.show.temporal {
+    if picture.request.show.temporal {
         lines.push("Images were mixed with those of the frames before; here they are not.".to_owned());
     }
-    if picture.order.show.methods.contains(&LEARNED) && is_of_run(&picture.order.show) {
+    if picture.request.show.methods.contains(&LEARNED) && is_of_run(&picture.request.show) {
         lines.push(
             "The network is what its training run has come to: its weights may have gone on.".to_owned(),
         );
@@ -138,8 +140,8 @@ fn is_of_run(show: &Show) -> bool {
     show.trained.is_some() || show.model.as_deref().is_some_and(learned::is_run)
 }
 
-/// How a comparison says from where the picture is seen, and the camera that it has then: one of the file's, if it is that, whose angle
-/// of view and inclination cannot be said otherwise.
+/// How a comparison says from where the picture is seen, and the camera that it has then: one of the file's,
+/// if it is that, whose angle of view and inclination cannot be said otherwise.
 fn view(picture: &Picture) -> (Viewpoint, Camera) {
     let camera = picture.camera;
     let pinhole = |camera: &Camera| Camera { lens: None, ..*camera };
@@ -159,10 +161,11 @@ fn choice(show: &Show, name: &str) -> MethodChoice {
     MethodChoice { parameters: show.tuning(name).changes, ..MethodChoice::named(name) }
 }
 
-/// The comparison that makes what is shown: with all that the window has chosen by its first view, which is another one here.
+/// The comparison that makes what is shown: with all that the window has chosen by its first view, which is
+/// another one here.
 fn comparison(moment: &Moment) -> Result<Comparison> {
     let Moment { picture, samples, model, args, .. } = moment;
-    let show = &picture.order.show;
+    let show = &picture.request.show;
     let effect = show.effect;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
@@ -184,14 +187,14 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
         &additions(picture, args),
         &views::Args::one(view(picture).0, args.seed),
         samples::Args::new(Some(*samples), None),
-        exposure_time::Args::new(Some(picture.order.time), shutter),
+        exposure_time::Args::new(Some(picture.request.time), shutter),
     );
     Comparison::new(None, |_| run.clone())
 }
 
 /// What the command line gives the scene, with the lens and the mean free path that were added.
 fn additions(picture: &Picture, args: &Args) -> Additions {
-    let effect = picture.order.show.effect;
+    let effect = picture.request.show.effect;
     let mut additions = args.additions.heard_by(effect);
     if let Some(Lens { radius, focus }) = picture.camera.lens.filter(|_| effect.listens_to(Setting::Lens)) {
         (additions.aperture, additions.focus) = (Some(radius), Some(focus));

@@ -1,11 +1,11 @@
-//! What hands have chosen.
+//! What the user has chosen.
 
+mod look;
 mod networks;
 mod stated;
 
 use super::Args;
-use super::studio::Show;
-use super::zoom::Zoom;
+use super::method_worker::Show;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::methods::{self, LEARNED, TRUTH};
@@ -14,66 +14,13 @@ use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
+pub use look::{Arrangement, Look, Map};
 #[cfg(feature = "train")]
 use networks::Promised;
 use stated::{Stated, first_methods, is_network};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// How images lie in the window.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Arrangement {
-    /// One over the other, each seen between two borders that can be dragged.
-    #[default]
-    Wipe,
-    /// Beside each other.
-    Tiles,
-}
-
-/// What is seen of an image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Map {
-    /// Itself.
-    #[default]
-    Image,
-    /// How it differs from truth.
-    Difference,
-    /// FLIP.
-    Flip,
-}
-
-impl Arrangement {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Wipe, Self::Tiles];
-
-    /// Its name in scripts and in the window.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Wipe => "wipe",
-            Self::Tiles => "tiles",
-        }
-    }
-}
-
-impl Map {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Image, Self::Difference, Self::Flip];
-
-    /// Its name in scripts and in the window.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Image => "image",
-            Self::Difference => "difference",
-            Self::Flip => "flip",
-        }
-    }
-
-    /// The one after it.
-    pub fn next(self) -> Self {
-        Self::ALL[(self as usize + 1) % Self::ALL.len()]
-    }
-}
 
 /// A scene that was shown, to come back to where another one cannot be read.
 struct Before {
@@ -83,7 +30,7 @@ struct Before {
     time: f32,
 }
 
-/// What hands have chosen.
+/// What the user has chosen.
 pub struct State {
     /// What the command line says.
     pub args: Arc<Args>,
@@ -97,18 +44,8 @@ pub struct State {
     pub time: f32,
     /// Whether the animation plays.
     pub playing: bool,
-    /// How much brighter images are shown than suits the first one, stops.
-    pub stops: f32,
-    /// How images lie in the window.
-    pub arrangement: Arrangement,
-    /// How they are enlarged.
-    pub zoom: Zoom,
-    /// What is seen of them.
-    pub map: Map,
-    /// The method that the others are held against; by default truth.
-    pub against: Option<&'static str>,
-    /// Where hands have put the right ends of images that lie over each other, as shares of the width.
-    ends: BTreeMap<String, f32>,
+    /// How images are seen.
+    pub look: Look,
     /// Whether truth is refined.
     pub truth: bool,
     /// Samples of a pixel at which truth rests.
@@ -117,7 +54,7 @@ pub struct State {
     pub film_rate: f32,
     /// Methods and a radius that stay when another effect is shown.
     stated: Stated,
-    /// Folders of networks that hands have chosen, by what they compute.
+    /// Folders of networks that the user has chosen, by what they compute.
     networks: HashMap<Effect, PathBuf>,
     /// Whether the method `learned` is to be shown as soon as there are weights.
     #[cfg(feature = "train")]
@@ -174,12 +111,7 @@ impl State {
             lights: None,
             time: args.time,
             playing: false,
-            stops: 0.0,
-            arrangement: Arrangement::default(),
-            zoom: Zoom::default(),
-            map: Map::default(),
-            against: None,
-            ends: BTreeMap::new(),
+            look: Look::default(),
             truth: true,
             samples: args.spp,
             film_rate: 25.0,
@@ -195,8 +127,8 @@ impl State {
         })
     }
 
-    /// Shows another scene, of which nothing is known yet. The one that is left is kept where it `was_read`. The same one is read
-    /// anew, and seen as it was.
+    /// Shows another scene, of which nothing is known yet. The one that is left is kept where it `was_read`.
+    /// The same one is read anew, and seen as it was.
     pub fn open(&mut self, source: SceneSource, was_read: bool) {
         self.show.scenes_opened += 1;
         if source == self.show.source {
@@ -232,7 +164,7 @@ impl State {
             self.awaits_network = stated.is_none() && self.show.model.is_some() && !is_network;
         }
         self.show.methods = stated.unwrap_or_else(|| first_methods(effect, is_network));
-        self.stops = 0.0;
+        self.look.stops = 0.0;
     }
 
     /// Has effects reach so far, metres or infinitely; without a radius as far as is usual.
@@ -252,23 +184,13 @@ impl State {
         self.show.changes.retain(|_, changes| !changes.is_empty());
     }
 
-    /// Shows exactly these methods.
-    ///
-    /// # Errors
-    /// If the effect does not have one.
-    pub fn choose_methods(&mut self, wanted: &[String]) -> Result<()> {
-        self.show.methods = chosen_methods(self.show.effect, wanted)?;
-        self.stated.state_methods(self.show.effect, &self.show.methods);
-        Ok(())
-    }
-
     /// Adds a method or takes it away.
     pub fn toggle(&mut self, method: &'static str) {
         self.switch(method);
         self.stated.state_methods(self.show.effect, &self.show.methods);
     }
 
-    /// As [`Self::toggle`], without hands having asked for it; methods keep the order of their list.
+    /// As [`Self::toggle`], without the user having asked for it; methods keep the order of their list.
     fn switch(&mut self, method: &'static str) {
         let chosen = &mut self.show.methods;
         match chosen.iter().position(|name| *name == method) {
@@ -279,27 +201,10 @@ impl State {
         chosen.sort_by_key(|name| known.iter().position(|known| known == name));
     }
 
-    /// What the images are held against: the method that hands have chosen as long as it is shown, else truth.
+    /// What the images are held against: the method that the user has chosen as long as it is shown, else
+    /// truth.
     pub fn reference(&self) -> &'static str {
-        self.against.filter(|name| self.show.methods.contains(name)).unwrap_or(TRUTH)
-    }
-
-    /// Where images that lie over each other end, but for the last one, as shares of the width: where hands have put it, as long as
-    /// they have put all of it, and in this order; else evenly. One that is not there for a while leaves its room to the others.
-    pub fn borders(&self, names: &[&str]) -> Vec<f32> {
-        let inner = &names[..names.len().saturating_sub(1)];
-        let put: Option<Vec<f32>> = inner.iter().map(|name| self.ends.get(*name).copied()).collect();
-        let evenly = || (1..names.len()).map(|index| index as f32 / names.len() as f32).collect();
-        put.filter(|put| put.is_sorted()).unwrap_or_else(evenly)
-    }
-
-    /// Moves one of these borders, between its neighbours; the others stay where they are seen.
-    pub fn put_border(&mut self, names: &[&str], index: usize, share: f32) {
-        let mut borders = self.borders(names);
-        let low = if index == 0 { 0.0 } else { borders[index - 1] };
-        let high = borders.get(index + 1).copied().unwrap_or(1.0);
-        borders[index] = share.clamp(low, high);
-        self.ends.extend(names.iter().map(|name| (*name).to_owned()).zip(borders));
+        self.look.against.filter(|name| self.show.methods.contains(name)).unwrap_or(TRUTH)
     }
 }
 
@@ -309,7 +214,8 @@ fn awaits_network(show: &Show) -> bool {
     show.model.is_some() && !show.methods.contains(&LEARNED)
 }
 
-/// Those of an effect's methods that are wanted, in the order of their list; truth, which is beside them anyway, is none of them.
+/// Those of an effect's methods that are wanted, in the order of their list; truth, which is beside them
+/// anyway, is none of them.
 fn chosen_methods(effect: Effect, wanted: &[String]) -> Result<Vec<&'static str>> {
     let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
     methods::check(effect, &wanted)?;

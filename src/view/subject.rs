@@ -1,8 +1,6 @@
 //! What the window shows: a scene with all that an effect needs of it, for the GPU and for rays.
 
 use super::Args;
-use super::stamp::stamp;
-use crate::compare::Digest;
 use crate::learned;
 use crate::live::pilot::Pilot;
 use crate::live::stage::{self, Seen};
@@ -10,10 +8,9 @@ use crate::place::Place;
 use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::Result;
-use deepshade_dataset::identity::scene_hash;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::past;
-use deepshade_render::scene::{AnimatedScene, Density, Glow, Light, Medium, Scene, SceneSource};
+use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
 use deepshade_shaders::Effect;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -30,8 +27,6 @@ pub struct Subject {
     pub pilot: Pilot,
     /// What was added to the scene, a sentence each.
     pub added: Vec<String>,
-    /// What tells it from what its files made at another time.
-    pub contents: String,
     /// Diagonal of the scene, metres.
     pub diagonal: f32,
     /// What a default radius depends on.
@@ -76,7 +71,6 @@ impl Subject {
             effect,
             pilot: Pilot::new(staged.camera, staged.distance()),
             added: staged.added,
-            contents: contents(args, &staged.animated),
             diagonal: staged.diagonal,
             space,
             rigged: rigged(&staged.animated),
@@ -86,23 +80,26 @@ impl Subject {
         })
     }
 
-    /// The lights that hands have left, where they are this scene's: as many, and of the same kinds. Else its own.
-    pub fn lights(&self, hands: Option<&[Light]>) -> Vec<Light> {
+    /// The lights that the user has left, where they are this scene's: as many, and of the same kinds. Else
+    /// its own.
+    pub fn lights(&self, chosen: Option<&[Light]>) -> Vec<Light> {
         let own = &self.animated.scene.lights;
-        hands.filter(|hands| fit(hands, own)).unwrap_or(own).to_vec()
+        chosen.filter(|chosen| fit(chosen, own)).unwrap_or(own).to_vec()
     }
 
-    /// The lights that hands have left, where they have moved some: those that nobody has moved are where a file has them.
-    pub fn moved(&self, hands: Option<Vec<Light>>) -> Option<Vec<Light>> {
-        hands.filter(|hands| *hands != self.animated.scene.lights)
+    /// The lights that the user has left, where they have moved some: those that nobody has moved are where a
+    /// file has them.
+    pub fn moved(&self, chosen: Option<Vec<Light>>) -> Option<Vec<Light>> {
+        chosen.filter(|chosen| *chosen != self.animated.scene.lights)
     }
 
-    /// Whether an animation moves one of its lights, so that hands cannot.
+    /// Whether an animation moves one of its lights, so that the user cannot.
     pub fn is_rigged(&self, light: usize) -> bool {
         self.rigged.get(light) == Some(&true)
     }
 
-    /// From when to when time goes on by itself, seconds: as long as something moves, without an end where surfaces keep light.
+    /// From when to when time goes on by itself, seconds: as long as something moves, without an end where
+    /// surfaces keep light.
     pub fn timeline(&self) -> Option<[f32; 2]> {
         let moves = self.animated.span().filter(|[begin, end]| end > begin);
         let Some(glow) = &self.animated.scene.glow else { return moves };
@@ -110,8 +107,8 @@ impl Subject {
         Some([begin, f32::INFINITY])
     }
 
-    /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for rays; with what it was like
-    /// before where surfaces keep light and something moves.
+    /// The scene at a moment, seconds, under these lights, but for those that animations move, ready for
+    /// rays; with what it was like before where surfaces keep light and something moves.
     ///
     /// # Errors
     /// If there is no such moment.
@@ -145,28 +142,6 @@ impl Subject {
         *kept = Some((time, Arc::clone(&traced)));
         Ok(traced)
     }
-}
-
-/// What tells a scene from every other. An environment, which has more numbers than are quickly told, is told by the state of its file;
-/// what a medium and what glows are made of may lie in files that theirs name, so that they are told by what was read.
-fn contents(args: &Args, animated: &AnimatedScene) -> String {
-    let AnimatedScene { scene, rigs } = animated;
-    let mut digest = Digest::default();
-    digest.say(&args.additions.environment.as_deref().map(stamp));
-    digest.say(&scene_hash(&Scene { environment: None, medium: None, ..scene.clone() }));
-    digest.say(&scene.glow);
-    digest.say(rigs);
-    if let Some(Medium { absorption, scattering, anisotropy, density }) = scene.medium.as_deref() {
-        digest.say(&(absorption, scattering, anisotropy));
-        match density {
-            Density::Grid(grid) => {
-                digest.say(&(grid.bounds(), grid.size()));
-                digest.say_all(grid.values());
-            }
-            everywhere_alike => digest.say(everywhere_alike),
-        }
-    }
-    digest.finish()
 }
 
 /// Whether lights are as many, and of the same kinds.
@@ -215,54 +190,6 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_written_anew_is_another_scene_only_where_it_holds_another_one() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("floor.obj");
-        let source = SceneSource::File(file.clone());
-        let args = args(&format!("--scene {} --eye 0,4,3 --look-at 0,0,0", file.display()));
-        let contents = |height: f32| {
-            let text = format!("v -2 0 -2\nv 2 0 -2\nv 2 {height} 2\nf 1 3 2\n");
-            std::fs::write(&file, text).expect("written");
-            Subject::load(&args, &source, Effect::Ao).expect("a scene").contents
-        };
-        let [flat, raised, again] = [0.0, 1.0, 0.0].map(contents);
-        assert!(flat != raised && flat == again, "{flat} {raised} {again}");
-    }
-
-    #[test]
-    fn files_that_a_file_names_are_told_by_what_they_hold() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = |name: &str| folder.path().join(name);
-        let source = "still-life:1".parse().expect("a scene");
-        let medium = "[array]\nfile = \"eight.raw\"\ncells = [2, 2, 2]\nnumbers = \"u8\"\nscale = 10.0\n";
-        std::fs::write(path("medium.toml"), medium).expect("written");
-        let fog = args(&format!(
-            "--effect fog-direct --height 16 --width 16 --extinction 0.2 --medium {}",
-            path("medium.toml").display()
-        ));
-        let foggy = |density: u8| {
-            std::fs::write(path("eight.raw"), [9, 9, 9, 9, 9, 9, 9, density]).expect("written");
-            Subject::load(&fog, &source, Effect::FogDirect).expect("a scene").contents
-        };
-        let [thin, dense, again] = [1, 2, 1].map(foggy);
-        assert!(thin != dense && thin == again, "{thin} {dense} {again}");
-        let glow = "materials = 'materials.toml'\n[[surface]]\npaint = 'mine'\n";
-        std::fs::write(path("glow.toml"), glow).expect("written");
-        let own = "[[material]]\nname = 'mine'\nbands = 'rgb'\n\
-            states = [{ decay = RATE, excitation = [0.1, 0.2, 0.3], emission = [1, 2, 3] }]";
-        let phosphor = args(&format!(
-            "--effect phosphor --height 16 --width 16 --phosphor {}",
-            path("glow.toml").display()
-        ));
-        let glowing = |rate: &str| {
-            std::fs::write(path("materials.toml"), own.replace("RATE", rate)).expect("written");
-            Subject::load(&phosphor, &source, Effect::Phosphor).expect("a scene").contents
-        };
-        let [slow, fast, again] = ["0.1", "0.2", "0.1"].map(glowing);
-        assert!(slow != fast && slow == again, "{slow} {fast} {again}");
-    }
-
-    #[test]
     fn lights_that_nobody_has_moved_are_the_files() {
         let args = args("--scene still-life:1 --height 16 --width 16 --effect gi");
         let subject = Subject::load(&args, &args.scene, Effect::Gi).expect("a scene");
@@ -305,12 +232,13 @@ mod tests {
             assert_eq!(
                 light,
                 bright[0].moved(|_| place, |direction| direction),
-                "as bright as hands have it"
+                "as bright as the user has it"
             );
         }
     }
 
-    /// The lamp goes on for a second and shines from second 0 on: poses of the past have it, as bright as hands have it, where it was.
+    /// The lamp goes on for a second and shines from second 0 on: poses of the past have it, as bright as the
+    /// user has it, where it was.
     #[test]
     fn rays_see_what_was_before_where_surfaces_keep_light() {
         let folder = tempfile::tempdir().expect("a folder");

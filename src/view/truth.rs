@@ -1,10 +1,11 @@
-//! The thread that refines truth for as long as nobody moves: path traced on all cores but one, kept for each view.
+//! The thread that refines truth for as long as nothing moves: path traced on all cores but one, kept for
+//! each view.
 
-use super::caught::caught;
-use super::desk::News;
-use super::mailbox::Mailbox;
-use super::pictures::Developed;
+use super::catch_panic::catch_panic;
+use super::display_image::DisplayImage;
+use super::request_slot::RequestSlot;
 use super::subject::Subject;
+use super::workers::{SendUpdate, Update};
 use crate::methods::TRUTH;
 use crate::output::message;
 use crate::render::picture::Exposure;
@@ -19,13 +20,13 @@ use std::time::Instant;
 
 /// What truth is of.
 #[derive(Clone)]
-pub struct Sight {
+pub struct ViewKey {
     /// Where the scene is from.
     pub source: SceneSource,
     /// What is computed of it.
     pub effect: Effect,
-    /// What tells the scene from what its files made at another time.
-    pub contents: String,
+    /// How often the user had opened a scene when it was read: its files may be other ones each time.
+    pub scenes_opened: u32,
     /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
     pub subject: Weak<Subject>,
     /// From where it is seen.
@@ -40,10 +41,10 @@ pub struct Sight {
     pub size: [usize; 2],
 }
 
-impl PartialEq for Sight {
-    /// A scene that was read again is the same one where its files are.
+impl PartialEq for ViewKey {
+    /// A scene that was completed again, as for another effect in between, is the same one.
     fn eq(&self, other: &Self) -> bool {
-        (&self.source, self.effect, &self.contents) == (&other.source, other.effect, &other.contents)
+        (&self.source, self.scenes_opened, self.effect) == (&other.source, other.scenes_opened, other.effect)
             && (self.camera, self.time, &self.lights, self.radius, self.size)
                 == (other.camera, other.time, &other.lights, other.radius, other.size)
     }
@@ -51,9 +52,9 @@ impl PartialEq for Sight {
 
 /// Truth that is wanted.
 #[derive(Clone, PartialEq)]
-pub struct Order {
+pub struct Request {
     /// Of what.
-    pub sight: Sight,
+    pub view_key: ViewKey,
     /// How it is exposed; by default as suits it.
     pub exposure: Option<Exposure>,
     /// How much brighter than suits it, stops.
@@ -64,16 +65,16 @@ pub struct Order {
     pub seed: u32,
 }
 
-impl Order {
-    /// Whether what is traced for another order is what this one wants, and it wants more than rest.
+impl Request {
+    /// Whether what is traced for another request is what this one wants, and it wants samples.
     fn goes_on(&self, other: &Self) -> bool {
-        (&self.sight, self.seed) == (&other.sight, other.seed) && self.samples > 0
+        (&self.view_key, self.seed) == (&other.view_key, other.seed) && self.samples > 0
     }
 
-    fn developed(&self, values: Planes) -> Developed {
-        let suits = || Exposure::new(self.sight.effect, &values, None).brighter(self.stops);
+    fn shown(&self, values: Planes) -> DisplayImage {
+        let suits = || Exposure::new(self.view_key.effect, &values, None).brighter(self.stops);
         let exposure = self.exposure.unwrap_or_else(suits);
-        Developed::new(TRUTH, values, exposure)
+        DisplayImage::new(TRUTH, values, exposure)
     }
 }
 
@@ -81,9 +82,9 @@ impl Order {
 #[derive(Clone)]
 pub struct Truth {
     /// Of what.
-    pub sight: Sight,
+    pub view_key: ViewKey,
     /// The image.
-    pub image: Developed,
+    pub image: DisplayImage,
     /// Samples of a pixel.
     pub samples: u32,
     /// Its noise as a share of its values.
@@ -97,121 +98,102 @@ pub struct Truth {
 /// Truth that is kept for when its view comes back.
 struct Kept {
     truth: Truth,
-    /// What it goes on from; nothing where there was no room.
-    taken: Option<Taken>,
+    /// What it goes on from.
+    taken: Taken,
     seed: u32,
 }
 
-/// Views of which truth is kept, where there is room.
-const KEPT: usize = 32;
-/// Bytes of all that is kept: images, and what they go on from.
+/// Bytes of all that is kept.
 const ROOM: usize = 256 << 20;
-/// The most samples of each scrambling in a pass: what is under way is lost when hands move.
+/// The most samples of each scrambling in a pass: a pass under way is lost when the view changes.
 const PASS: u32 = 16;
 
-/// Refines what is ordered until the mailbox is closed.
-pub fn run(orders: &Mailbox<Order>, tell: &(dyn Fn(News) + Sync)) {
+/// Refines what is requested until the slot is closed.
+pub fn run(requests: &RequestSlot<Request>, send: SendUpdate<'_>) {
     let threads =
         std::thread::available_parallelism().map_or(1, |cores| cores.get().saturating_sub(1).max(1));
     let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool,
-        Err(error) => return tell(News::Refused(format!("truth: {error}"))),
+        Err(error) => return send(Update::Error(format!("truth: {error}"))),
     };
     let mut known: Vec<Kept> = Vec::new();
-    while let Some(order) = orders.take() {
-        let same = |kept: &Kept| (&kept.truth.sight, kept.seed) == (&order.sight, order.seed);
+    while let Some(request) = requests.take() {
+        let same = |kept: &Kept| (&kept.truth.view_key, kept.seed) == (&request.view_key, request.seed);
         let mut kept = known.iter().position(same).map(|index| known.remove(index));
         if let Some(Kept { truth, .. }) = &mut kept {
-            truth.image = order.developed(Planes::clone(&truth.image.values));
-            tell(News::Truth(truth.clone()));
+            truth.image = request.shown(Planes::clone(&truth.image.values));
+            send(Update::Truth(truth.clone()));
         }
-        let doing = format!("truth of {} of {}", order.sight.effect, order.sight.source);
-        match caught(&doing, || pool.install(|| refine(orders, order, &mut kept, tell))) {
-            Ok(()) => {}
-            Err(error) => tell(News::Refused(format!("truth: {}", message(&error)))),
+        let doing = format!("truth of {} of {}", request.view_key.effect, request.view_key.source);
+        match catch_panic(&doing, || pool.install(|| refine(requests, request, kept, send))) {
+            Ok(kept) => known.extend(kept),
+            Err(error) => send(Update::Error(format!("truth: {}", message(&error)))),
         }
-        known.extend(kept);
         make_room(&mut known, ROOM);
     }
 }
 
-/// Forgets the oldest truth where there is more than is kept or fits into so many bytes, and before that what the oldest goes on from.
-/// The newest image stays, since it is being looked at.
+/// Forgets the oldest truth that does not fit into so many bytes. The newest stays, since it is being looked
+/// at.
 fn make_room(known: &mut Vec<Kept>, room: usize) {
-    let images = |known: &[Kept]| known.iter().map(|kept| kept.truth.image.size()).sum::<usize>();
-    while known.len() > KEPT || (known.len() > 1 && images(known) > room) {
+    let size = |known: &[Kept]| -> usize {
+        known.iter().map(|kept| kept.truth.image.size() + kept.taken.size()).sum()
+    };
+    while known.len() > 1 && size(known) > room {
         known.remove(0);
-    }
-    let mut room = room.saturating_sub(images(known));
-    for kept in known.iter_mut().rev() {
-        let size = kept.taken.as_ref().map_or(0, Taken::size);
-        match room.checked_sub(size) {
-            Some(left) => room = left,
-            None => kept.taken = None,
-        }
     }
 }
 
-/// Refines truth from what is kept of it until there are samples enough or there is another order, and tells of each pass that
-/// has more samples than are known. An order of the same sight that is only shown otherwise, or wants other numbers of samples,
-/// goes on with what there is.
+/// Refines truth from what is kept of it until there are samples enough or there is another request, and
+/// sends it after each pass. A request of the same view that is only shown otherwise, or wants other numbers
+/// of samples, goes on with what there is.
 fn refine(
-    orders: &Mailbox<Order>,
-    mut order: Order,
-    kept: &mut Option<Kept>,
-    tell: &(dyn Fn(News) + Sync),
-) -> Result<()> {
+    requests: &RequestSlot<Request>,
+    mut request: Request,
+    kept: Option<Kept>,
+    send: SendUpdate<'_>,
+) -> Result<Option<Kept>> {
     let known = kept.as_ref().map_or(0, |kept| kept.truth.samples);
-    if known >= order.samples {
-        return Ok(());
-    }
-    let sight = order.sight.clone();
-    let Some(subject) = sight.subject.upgrade() else { return Ok(()) };
-    let scene = subject.traced(sight.time, &sight.lights)?;
-    let shot = Shot::new(&scene, &sight.camera, sight.size, sight.radius);
-    let (before, mut seconds) = match kept.as_mut().map(|kept| (kept.taken.take(), kept.truth.seconds)) {
-        Some((Some(taken), seconds)) => (Some(taken), seconds),
-        _ => (None, 0.0),
+    let view_key = request.view_key.clone();
+    let Some(subject) = view_key.subject.upgrade().filter(|_| known < request.samples) else {
+        return Ok(kept);
     };
-    let mut refinement = match before {
-        Some(taken) => Refinement::going_on(sight.effect, &shot, taken),
-        None => Refinement::new(sight.effect, &shot, SCRAMBLINGS, order.seed),
+    let scene = subject.traced(view_key.time, &view_key.lights)?;
+    let shot = Shot::new(&scene, &view_key.camera, view_key.size, view_key.radius);
+    let (mut refinement, mut truth) = match kept {
+        Some(Kept { truth, taken, .. }) => (Refinement::going_on(view_key.effect, &shot, taken), Some(truth)),
+        None => (Refinement::new(view_key.effect, &shot, SCRAMBLINGS, request.seed), None),
     };
-    while refinement.samples() < order.samples {
+    let seed = request.seed;
+    let keep = |truth: Option<Truth>, taken| truth.map(|truth| Kept { truth, taken, seed });
+    while refinement.samples() < request.samples {
         let each = (refinement.samples() / SCRAMBLINGS).clamp(1, PASS);
-        let left = (order.samples - refinement.samples()).div_ceil(SCRAMBLINGS);
-        let overtaken = || orders.is_overtaken_by(|newer| !newer.goes_on(&order));
+        let left = (request.samples - refinement.samples()).div_ceil(SCRAMBLINGS);
+        let overtaken = || requests.is_overtaken_by(|newer| !newer.goes_on(&request));
         let (began, taken) = (Instant::now(), refinement.taken());
         refinement.refine(each.min(left), |_, _| !overtaken(), |_| {});
         if overtaken() {
             // Some pixels lack samples of the pass.
-            if let Some(kept) = kept.as_mut().filter(|kept| kept.truth.samples == taken.samples()) {
-                kept.taken = Some(taken);
-            }
-            break;
+            return Ok(keep(truth, taken));
         }
-        seconds += began.elapsed().as_secs_f64();
-        if let Some(newer) = orders.take_where(|newer| newer.goes_on(&order)) {
-            order = newer;
+        if let Some(newer) = requests.take_where(|newer| newer.goes_on(&request)) {
+            request = newer;
         }
         let estimate = refinement.estimate();
-        if estimate.samples <= known {
-            continue;
-        }
-        let scale = exposure(sight.effect, &estimate.mean);
-        let noise = estimate.noise_relmse(scale).unwrap_or(f64::NAN).sqrt();
+        let scale = exposure(view_key.effect, &estimate.mean);
         let [one, other] = refinement.halves().map(|half| exposed(&half, scale));
-        let ceiling = Scores::new(&one, &other);
-        let samples = estimate.samples;
-        let image = order.developed(estimate.mean);
-        let truth = Truth { sight: sight.clone(), image, samples, noise, ceiling, seconds };
-        tell(News::Truth(truth.clone()));
-        *kept = Some(Kept { truth, taken: None, seed: order.seed });
+        let newest = Truth {
+            view_key: view_key.clone(),
+            samples: estimate.samples,
+            noise: estimate.noise_relmse(scale).unwrap_or(f64::NAN).sqrt(),
+            ceiling: Scores::new(&one, &other),
+            seconds: truth.map_or(0.0, |truth| truth.seconds) + began.elapsed().as_secs_f64(),
+            image: request.shown(estimate.mean),
+        };
+        send(Update::Truth(newest.clone()));
+        truth = Some(newest);
     }
-    if let Some(kept) = kept.as_mut().filter(|kept| kept.truth.samples == refinement.samples()) {
-        kept.taken.get_or_insert_with(|| refinement.taken());
-    }
-    Ok(())
+    Ok(keep(truth, refinement.taken()))
 }
 
 #[cfg(test)]

@@ -30,13 +30,6 @@ impl Default for Zoom {
 }
 
 impl Zoom {
-    /// Images so many times as large, with a place of theirs in the middle as far as they fill the window.
-    pub fn new(factor: f32, centre: Vec2) -> Self {
-        let mut zoom = Self { factor: factor.clamp(1.0, MOST), centre };
-        zoom.fill();
-        zoom
-    }
-
     /// Whether images are larger than the window shows.
     pub fn is_in(self) -> bool {
         self.factor > 1.0
@@ -107,10 +100,15 @@ mod tests {
 
     #[test]
     fn images_fill_the_window_however_they_are_moved() {
-        for centre in [Vec2::ZERO, Vec2::ONE, Vec2::new(0.4, 7.0)] {
-            let whole = Zoom::new(5.0, centre).place(SEEN).whole;
-            assert!(whole.expand(0.01).contains_rect(SEEN), "{centre}: {whole:?}");
+        for by in [egui::vec2(-1e4, 0.0), egui::vec2(1e4, 1e4), egui::vec2(3.0, -700.0)] {
+            let mut zoom = Zoom::default();
+            zoom.about(zoom.place(SEEN), SEEN.center(), 5.0);
+            zoom.pan(zoom.place(SEEN), by);
+            let whole = zoom.place(SEEN).whole;
+            assert!(whole.expand(0.01).contains_rect(SEEN), "{by}: {whole:?}");
         }
-        assert!(Zoom::new(1e9, Vec2::ZERO).place(SEEN).whole.width() <= 400.0 * MOST + 1.0);
+        let mut zoom = Zoom::default();
+        zoom.about(zoom.place(SEEN), SEEN.center(), 1e9);
+        assert!(zoom.place(SEEN).whole.width() <= 400.0 * MOST + 1.0);
     }
 }

@@ -18,7 +18,6 @@ mod program;
 mod slope;
 mod stages;
 mod surfel;
-mod view;
 mod volume_shell;
 mod web;
 
@@ -57,8 +56,6 @@ enum Verb {
     Embree(embree::Args),
     /// Checks truth against Mitsuba 3; `cargo xtask crosscheck` sets it up and calls this.
     Crosscheck(crosscheck::Args),
-    /// Pictures a second of the window by every method, seconds to the first one, memory.
-    View(view::Args),
     /// Long jobs killed at random moments: whether they make, byte for byte, what they make undisturbed.
     Kills(kills::Args),
     /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
@@ -83,7 +80,6 @@ fn run(verb: &Verb) -> Result<()> {
         #[cfg(feature = "embree")]
         Verb::Embree(args) => embree::run(args),
         Verb::Crosscheck(args) => crosscheck::run(args),
-        Verb::View(args) => view::run(args),
         Verb::Kills(args) => kills::run(args),
         Verb::Web(args) => web::run(args),
     }

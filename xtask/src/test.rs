@@ -132,7 +132,7 @@ fn passed(name: &str, step: &mut Command) -> Result<Duration> {
     Ok(start.elapsed())
 }
 
-/// Vulkan, a C++ compiler, Xvfb, a window manager and onnxruntime; gives the path of the latter's library.
+/// Vulkan, a C++ compiler, Xvfb and onnxruntime; gives the path of the latter's library.
 fn set_up() -> Result<std::path::PathBuf> {
     println!("=== set-up");
     vulkan::ensure()?;
@@ -143,10 +143,6 @@ fn set_up() -> Result<std::path::PathBuf> {
     }
     if cfg!(target_os = "linux") && !succeeds(&mut command("xvfb-run", &["--help"])) {
         apt::install(&["xvfb"], "A screen that is none (Xvfb), for the tests of the window,")?;
-    }
-    // Without one nobody puts windows away.
-    if cfg!(target_os = "linux") && !succeeds(&mut command("openbox", &["--version"])) {
-        apt::install(&["openbox"], "A window manager (openbox), for the tests of the window,")?;
     }
     let onnxruntime = python::onnxruntime()?;
     println!("onnxruntime: {}", onnxruntime.display());

@@ -1,8 +1,8 @@
 //! What is said of a moment, so that it can be made again.
 
 use super::*;
+use crate::view::method_worker::Request;
 use crate::view::state::State;
-use crate::view::studio::Order;
 use crate::view::subject::Subject;
 use crate::view::tests::args;
 use deepshade_shaders::Planes;
@@ -22,9 +22,9 @@ fn moment(line: &str, turn: f32) -> Moment {
     }
     let camera = pilot.camera;
     let values = Planes::filled(show.effect.channels(), 16, 16, 0.5);
-    let image = Developed::new("image", values, crate::render::picture::Exposure::Plain);
+    let image = DisplayImage::new("image", values, crate::render::picture::Exposure::Plain);
     let picture = Picture {
-        order: Order { show, camera: Some(camera), time: 0.25, lights: None, exposure: None, number: 0 },
+        request: Request { show, camera: Some(camera), time: 0.25, lights: None, exposure: None, number: 0 },
         camera,
         lights: subject.lights(None),
         radius: 0.5,
@@ -94,7 +94,7 @@ fn a_network_is_named_by_its_address() {
 #[cfg(feature = "train")]
 #[test]
 fn weights_that_go_on_are_named() {
-    use crate::view::studio::Trained;
+    use crate::view::method_worker::Trained;
     use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, Weights};
 
     let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
@@ -103,7 +103,7 @@ fn weights_that_go_on_are_named() {
         let mut moment = moment(&format!("--methods {method} --model runs/ao"), 0.0);
         let model = Model { weights: Weights::random(&spec, 1), spec: spec.clone() };
         let picture = Arc::get_mut(&mut moment.picture).expect("nobody else's");
-        picture.order.show.trained = Some(Trained(Arc::new(model)));
+        picture.request.show.trained = Some(Trained(Arc::new(model)));
         let head = saved(&moment).1;
         assert_eq!(head.contains("its weights may have gone on"), is_told, "{method}: {head}");
     }
@@ -130,7 +130,7 @@ fn whatever_is_shown_can_be_said_again() {
 #[test]
 fn what_was_set_of_a_method_that_is_put_away_is_not_said() {
     let mut moment = moment("--methods hbao", 0.0);
-    let changes = &mut Arc::get_mut(&mut moment.picture).expect("nobody else's").order.show.changes;
+    let changes = &mut Arc::get_mut(&mut moment.picture).expect("nobody else's").request.show.changes;
     for method in ["hbao", "gtao"] {
         changes.entry(method).or_default().0.insert("blur.radius".to_owned(), 2.0.into());
     }
@@ -143,7 +143,7 @@ fn what_was_set_of_a_method_that_is_put_away_is_not_said() {
 #[test]
 fn what_cannot_be_said_leaves_no_images() {
     let mut moment = moment("--methods hbao", 0.0);
-    Arc::get_mut(&mut moment.picture).expect("nobody else's").order.show.size = [4, 4];
+    Arc::get_mut(&mut moment.picture).expect("nobody else's").request.show.size = [4, 4];
     let folder = tempfile::tempdir().expect("a folder");
     let error = format!("{:#}", save(&moment, folder.path()).expect_err("too small to be compared"));
     assert!(error.contains("resolution.height"), "{error}");

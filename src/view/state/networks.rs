@@ -1,11 +1,11 @@
-//! Which network hands have chosen for which effect.
+//! Which network the user has chosen for which effect.
 
 use super::State;
 use crate::learned;
 use crate::methods::LEARNED;
 use crate::place::Place;
 #[cfg(feature = "train")]
-use crate::view::studio::Trained;
+use crate::view::method_worker::Trained;
 use anyhow::Result;
 use deepshade_shaders::Effect;
 use std::path::Path;
@@ -17,7 +17,7 @@ use std::path::PathBuf;
 pub struct Promised {
     effect: Effect,
     folder: PathBuf,
-    /// The one whose place it has taken, where hands had chosen one.
+    /// The one whose place it has taken, where the user had chosen one.
     before: Option<PathBuf>,
 }
 
@@ -57,18 +57,19 @@ impl State {
 
 #[cfg(feature = "train")]
 impl State {
-    /// Shows what a training that has begun makes of an effect, once there is something in the folder of its run.
+    /// Shows what a training that has begun makes of an effect, once there is something in the folder of its
+    /// run.
     pub fn begin_training(&mut self, effect: Effect, folder: &Path) {
         let before = self.networks.get(&effect).cloned();
         self.promised = Some(Promised { effect, folder: folder.to_owned(), before });
         self.take_network(effect, folder);
     }
 
-    /// Knows that nobody is at the training any more: where it has left no network, the effect has the one that it had before. Whether
-    /// something else is shown by that.
+    /// Knows that nobody is at the training any more: where it has left no network, the effect has the one
+    /// that it had before. Whether something else is shown by that.
     pub fn end_training(&mut self) -> bool {
         let Some(Promised { effect, folder, before }) = self.promised.take() else { return false };
-        // Hands may have chosen another one meanwhile, or named this very folder before.
+        // The user may have chosen another one meanwhile, or named this very folder before.
         let is_chosen = self.networks.get(&effect) == Some(&folder) && before.as_ref() != Some(&folder);
         if !is_chosen || learned::is_network(&folder) {
             return false;
@@ -84,8 +85,8 @@ impl State {
         is_shown
     }
 
-    /// Runs weights that the training run whose folder is the network's has come to; the first ones bring the method with them, where it
-    /// was left out for want of any. Those for another effect are not run here.
+    /// Runs weights that the training run whose folder is the network's has come to; the first ones bring the
+    /// method with them, where it was left out for want of any. Those for another effect are not run here.
     pub fn take_weights(&mut self, trained: Trained) {
         let effect = trained.0.spec.effect;
         if effect != self.show.effect {

@@ -1,4 +1,4 @@
-//! What hands and the command line have stated, which stays stated when another effect is shown.
+//! What the user and the command line have stated, which stays stated when another effect is shown.
 
 use crate::learned;
 use crate::methods::{self, LEARNED, TRUTH};
@@ -76,7 +76,7 @@ mod tests {
         stated.state_methods(Effect::Ao, &["learned", "gtao"]);
         let of = |is_network| stated.methods(Effect::Ao, is_network).expect("stated");
         assert_eq!((of(true), of(false)), (vec!["learned", "gtao"], vec!["gtao"]));
-        // Nothing is shown where hands have put all away.
+        // Nothing is shown where the user has put all away.
         stated.state_methods(Effect::Ao, &[]);
         assert_eq!(stated.methods(Effect::Ao, true), Some(Vec::new()));
     }

@@ -1,8 +1,8 @@
-//! What hands have chosen stays chosen.
+//! What the user has chosen stays chosen.
 
 use super::*;
 #[cfg(feature = "train")]
-use crate::view::studio::Trained;
+use crate::view::method_worker::Trained;
 use crate::view::tests::args;
 
 #[test]
@@ -48,7 +48,7 @@ fn a_stated_radius_and_stated_methods_survive_a_change_of_effect() {
     state.choose_effect(Effect::Gi);
     state.choose_effect(Effect::Ao);
     assert_eq!(seen(&state), (vec!["surfel"], None));
-    // A network that hands open is seen beside them.
+    // A network that the user opens is seen beside them.
     state.open_model(&Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao")).expect("a network");
     assert_eq!(state.show.methods, [LEARNED, "surfel"]);
     // What nobody has stated does not stay.
@@ -94,7 +94,7 @@ fn a_network_that_was_waited_for_is_shown_once_there_are_weights() {
     assert!(state.show.methods.contains(&LEARNED) && state.show.trained == Some(trained.clone()));
     state.toggle(LEARNED);
     state.take_weights(trained.clone());
-    assert!(!state.show.methods.contains(&LEARNED), "hands have put it away");
+    assert!(!state.show.methods.contains(&LEARNED), "the user has put it away");
     let mut named = State::new(&args("--model runs/none --methods hbao")).expect("methods");
     named.take_weights(trained);
     assert_eq!(named.show.methods, ["hbao"]);
@@ -134,7 +134,7 @@ fn a_training_that_comes_to_nothing_leaves_an_effect_the_network_that_it_had() {
         assert!(!state.end_training(), "it has ended");
     }
     assert!(state.show.methods.contains(&LEARNED));
-    // Hands look at something else, or have named the folder themselves.
+    // The user looks at something else, or has named the folder themselves.
     state.begin_training(Effect::Ao, new);
     state.choose_effect(Effect::Gi);
     assert!(!state.end_training());
@@ -147,14 +147,10 @@ fn a_training_that_comes_to_nothing_leaves_an_effect_the_network_that_it_had() {
 fn truth_is_beside_the_methods_and_none_of_them() {
     let mut state = State::new(&args("--methods truth,hbao")).expect("methods");
     assert_eq!(state.show.methods, ["hbao"]);
-    let choose = |state: &mut State, names: &[&str]| {
-        state.choose_methods(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
-    };
-    choose(&mut state, &["truth", "hbao", "gtao"]).expect("methods");
+    state.toggle("gtao");
     assert!(state.show.methods.len() == 2 && !state.show.methods.contains(&TRUTH));
-    choose(&mut state, &["truth"]).expect("methods");
-    assert!(state.show.methods.is_empty());
-    assert!(choose(&mut state, &["ssgi"]).is_err());
+    assert!(State::new(&args("--methods truth")).expect("methods").show.methods.is_empty());
+    assert!(State::new(&args("--methods ssgi")).is_err());
 }
 
 #[test]
@@ -165,20 +161,4 @@ fn a_network_that_was_fetched_is_known_by_its_address() {
     let place = |folder: &str| state.place_of_network(Path::new(folder)).to_string();
     assert_eq!(place("cache/copy"), "s3://models/ao");
     assert_eq!(place("models/other"), "models/other");
-}
-
-#[test]
-fn borders_stay_where_hands_have_put_them_while_truth_is_away() {
-    let mut state = State::new(&args("--effect ao")).expect("methods");
-    let (still, moving) = (["gtao", "hbao", "truth"], ["gtao", "hbao"]);
-    assert!(state.borders(&[]).is_empty());
-    assert_eq!(state.borders(&moving), [0.5f32]);
-    state.put_border(&still, 0, 0.2);
-    state.put_border(&still, 1, 0.1);
-    assert_eq!(state.borders(&still), [0.2f32, 0.2], "none goes past another");
-    state.put_border(&still, 1, 0.8);
-    assert_eq!(state.borders(&moving), [0.2f32]);
-    assert_eq!(state.borders(&still), [0.2f32, 0.8], "it comes back");
-    assert_eq!(state.borders(&["hbao", "gtao", "truth"]), [1.0f32 / 3.0, 2.0 / 3.0], "another order");
-    assert_eq!(state.borders(&["gtao", "ssao"]), [0.2f32], "the last one ends with the image");
 }

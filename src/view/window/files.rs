@@ -1,14 +1,24 @@
-//! What hands open and save.
+//! What the user opens and saves.
 
 use super::Window;
 use crate::learned;
 use crate::output::message;
-use crate::view::clerk::{Done, Errand};
-use crate::view::saved::Moment;
+use crate::view::file_worker::{FileResult, FileTask};
+use crate::view::saved::{Moment, free};
+use crate::view::workers::Update;
 use deepshade_render::scene::SceneSource;
-use eframe::egui::{Context, ScreenshotCallback, ViewportCommand};
+use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
+
+/// Files that are written and read.
+#[derive(Default)]
+pub struct Files {
+    /// The folder for what is saved without a name; empty for the current one.
+    pub folder: PathBuf,
+    /// Tasks that are not done yet.
+    pub pending: usize,
+}
 
 impl Window {
     /// Opens what was dropped onto the window.
@@ -16,78 +26,79 @@ impl Window {
         if learned::is_network(path) {
             return match self.state.open_model(path) {
                 Ok(()) => self.changed(),
-                Err(error) => self.refuse(message(&error)),
+                Err(error) => self.set_error(message(&error)),
             };
         }
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
-            return self.send(Errand::Open(path.to_owned()));
+            return self.send(FileTask::Open(path.to_owned()));
         }
         match path.display().to_string().parse::<SceneSource>() {
             Ok(source) => self.open_scene(source),
-            Err(error) => self.refuse(format!("{}: {error}", path.display())),
+            Err(error) => self.set_error(format!("{}: {error}", path.display())),
         }
     }
 
-    /// Shows another scene, or the same one as its files are now, under the lights that hands have moved.
-    pub fn open_scene(&mut self, source: SceneSource) {
-        let was_read = self.subject.as_ref().is_some_and(|subject| subject.source == self.state.show.source);
+    /// Shows another scene, or the same one as its files are now, under the lights that the user has moved.
+    fn open_scene(&mut self, source: SceneSource) {
+        let subject = self.results.subject.as_ref();
+        let was_read = subject.is_some_and(|subject| subject.source == self.state.show.source);
         self.state.open(source, was_read);
-        if let Some(subject) = &self.subject {
+        if let Some(subject) = subject {
             self.state.lights = subject.moved(self.state.lights.take());
         }
         self.opened();
     }
 
-    /// Saves what is shown now into a folder, or into one that is free, and says where, once it is done.
-    pub fn save(&mut self, folder: Option<PathBuf>) {
+    /// Saves what is shown now into a folder that is free, and says where, once it is done.
+    pub fn save(&mut self) {
         match Moment::of(self) {
-            Some(moment) => self.send(Errand::Save(Box::new(moment), folder)),
-            None => self.refuse("there is no picture yet".to_owned()),
+            Some(moment) => {
+                let folder = free(&self.files.folder, "view", "");
+                self.send(FileTask::Save(Box::new(moment), folder));
+            }
+            None => self.set_error("there is no picture yet".to_owned()),
         }
     }
 
-    /// Has a picture of the whole window written, as soon as it is painted, into a file, or into one that is free.
-    pub fn shoot(&mut self, context: &Context, path: Option<PathBuf>) {
-        let (taken, waker) = (Arc::clone(&self.taken), context.clone());
-        let callback = ScreenshotCallback::new(move |image| {
-            taken.lock().unwrap_or_else(PoisonError::into_inner).push((image, path));
-            waker.request_repaint();
-        });
+    /// Has an image of the whole window written, as soon as it is painted, into a file, or into one that is
+    /// free.
+    pub fn request_screenshot(&mut self, context: &Context, path: Option<PathBuf>) {
+        let sender = self.workers.sender.clone();
+        let callback = ScreenshotCallback::new(move |image| sender.send(Update::Screenshot(image, path)));
         context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
         context.request_repaint();
-        self.shots += 1;
+        self.files.pending += 1;
     }
 
-    /// Has those written that are there.
-    pub(super) fn write_shots(&mut self) {
-        let taken = std::mem::take(&mut *self.taken.lock().unwrap_or_else(PoisonError::into_inner));
-        for (image, path) in taken {
-            self.shots -= 1;
-            self.send(Errand::Shot(image, path));
-        }
-    }
-
-    /// Whether all errands are run, none is left to be sent, and all layers are seen as they are chosen.
+    /// Whether no task is left, and all layers are seen as they are chosen.
     pub fn is_idle(&self) -> bool {
-        self.errands + self.shots == 0 && !self.develops && self.choice_of_layers() == self.developing
+        self.files.pending == 0 && self.choice_of_layers() == self.layers.seen
     }
 
-    /// Has an errand run.
-    pub fn send(&mut self, errand: Errand) {
-        let sent = self.desk.clerk.as_ref().is_some_and(|clerk| clerk.send(errand).is_ok());
-        self.errands += usize::from(sent);
+    /// Has a task done.
+    pub fn send(&mut self, task: FileTask) {
+        let sent = self.workers.files.as_ref().is_some_and(|files| files.send(task).is_ok());
+        self.files.pending += usize::from(sent);
     }
 
-    /// Takes what came of an errand.
-    pub(super) fn take_errand(&mut self, done: Result<Done, String>) {
-        self.errands -= 1;
+    /// Writes an image of the window that was painted.
+    pub(super) fn take_screenshot(&mut self, image: Arc<ColorImage>, path: Option<PathBuf>) {
+        self.files.pending -= 1;
+        let path = path.unwrap_or_else(|| free(&self.files.folder, "window", ".png"));
+        self.send(FileTask::Screenshot(image, path));
+    }
+
+    /// Takes what came of a task.
+    pub(super) fn take_file(&mut self, context: &Context, done: Result<FileResult, String>) {
+        self.files.pending -= 1;
         match done {
-            Ok(Done::Quietly) => {}
-            Ok(Done::Said(note)) => self.say(note),
-            Ok(Done::Opened(opened)) => self.take_opened(opened),
-            Err(what) => {
+            Ok(FileResult::Silent) => {}
+            Ok(FileResult::Note(note)) => self.messages.set_note(note),
+            Ok(FileResult::Opened(opened)) => self.take_opened(opened),
+            Ok(FileResult::Layers(choice, images)) => self.take_layers(context, *choice, images),
+            Err(error) => {
                 self.stop_recording();
-                self.refuse(what);
+                self.set_error(error);
             }
         }
     }

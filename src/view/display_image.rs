@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Values with their picture, as they are handed from thread to thread.
 #[derive(Clone)]
-pub struct Developed {
+pub struct DisplayImage {
     /// What they are: a method's name, or that of truth.
     pub name: String,
     /// Linear values, `[channels, height, width]`.
@@ -19,7 +19,7 @@ pub struct Developed {
     pub picture: Arc<ColorImage>,
 }
 
-impl Developed {
+impl DisplayImage {
     /// Develops an effect's image.
     pub fn new(name: &str, values: Planes, exposure: Exposure) -> Self {
         let picture = Arc::new(on_screen(&exposure.picture(&values, None)));
@@ -85,10 +85,10 @@ mod tests {
     #[test]
     fn attributes_are_stretched_over_their_range() {
         let values = Planes::from_data(1, 1, 3, vec![-4.0, f32::INFINITY, 12.0]);
-        let shown = Developed::of_attribute(Attribute::Depth, values);
+        let shown = DisplayImage::of_attribute(Attribute::Depth, values);
         let greys: Vec<[u8; 4]> = shown.picture.pixels.iter().map(|pixel| pixel.to_array()).collect();
         assert_eq!(greys, [[0, 0, 0, 255], [255; 4], [255; 4]]);
-        let even = Developed::of_attribute(Attribute::Depth, Planes::filled(1, 1, 1, 3.0));
+        let even = DisplayImage::of_attribute(Attribute::Depth, Planes::filled(1, 1, 1, 3.0));
         assert_eq!(even.picture.pixels[0].to_array(), [0, 0, 0, 255]);
     }
 

@@ -1,13 +1,13 @@
-//! The thread that follows a training run, be it in another program: its log, and its weights at each checkpoint.
+//! The thread that follows a training run, be it in another program: its log, and its weights at each
+//! checkpoint.
 //!
-//! `deepshade train` replaces its checkpoint as a whole and appends whole lines to its log, so that looking at both disturbs
-//! nobody.
+//! `deepshade train` replaces its checkpoint as a whole and appends whole lines to its log, so that looking
+//! at both disturbs nobody.
 
-use super::caught::caught;
-use super::desk::News;
-use super::mailbox::Mailbox;
-use super::stamp::{Stamp, stamp};
-use super::studio::Trained;
+use super::catch_panic::catch_panic;
+use super::method_worker::Trained;
+use super::request_slot::RequestSlot;
+use super::workers::{SendUpdate, Update};
 use crate::learned::run::is_run;
 use crate::output::message;
 use anyhow::{Context, Result};
@@ -15,9 +15,9 @@ use deepshade_infer::Model;
 use deepshade_train::checkpoint::{CHECKPOINT_FILE, Checkpoint, Progress};
 use deepshade_train::metrics::{self, Line, METRICS_FILE};
 use deepshade_train::{TrainConfig, is_taken};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 /// How often the run's files are looked at.
 const EVERY: Duration = Duration::from_millis(400);
@@ -26,7 +26,7 @@ const RECENT: usize = 10;
 
 /// A run as its folder tells it.
 #[derive(Clone)]
-pub struct Training {
+pub struct TrainingRun {
     /// Its folder.
     pub folder: PathBuf,
     /// Steps of the whole run.
@@ -41,7 +41,7 @@ pub struct Training {
     pub checkpoint: Option<(Progress, Trained)>,
 }
 
-impl Training {
+impl TrainingRun {
     /// Steps that are done, as far as log and checkpoint tell.
     pub fn step(&self) -> usize {
         let logged = self.lines.last().map_or(0, |line| line.step);
@@ -54,7 +54,8 @@ impl Training {
         stopped || self.step() >= self.steps
     }
 
-    /// Seconds that the steps to come take, validations not counted, at the speed of the last lines of the log.
+    /// Seconds that the steps to come take, validations not counted, at the speed of the last lines of the
+    /// log.
     pub fn seconds_left(&self) -> Option<f64> {
         let recent = &self.lines[self.lines.len().saturating_sub(RECENT)..];
         let speed = recent.iter().map(|line| line.images_per_second).sum::<f64>() / recent.len() as f64;
@@ -63,15 +64,24 @@ impl Training {
     }
 }
 
-/// Follows the run whose folder lies in the mailbox, as soon as it is one, until that is closed.
-pub fn run(orders: &Mailbox<Option<PathBuf>>, tell: &dyn Fn(News)) {
-    while let Some(order) = orders.take() {
-        let Some(folder) = order else { continue };
-        let mut follower = Follower { folder, seen: Seen::default(), checkpoint: None, told: None };
-        while !orders.fills_within(EVERY) {
-            follower.look(tell);
+/// Follows the run whose folder is requested, as soon as it is one, until the slot is closed.
+pub fn run(requests: &RequestSlot<Option<PathBuf>>, send: SendUpdate<'_>) {
+    while let Some(request) = requests.take() {
+        let Some(folder) = request else { continue };
+        let mut follower = RunFollower { folder, seen: Seen::default(), checkpoint: None, told: None };
+        while !requests.fills_within(EVERY) {
+            follower.look(send);
         }
     }
+}
+
+/// When a file was changed, and its bytes; nothing where there is none.
+type Stamp = Option<(SystemTime, u64)>;
+
+/// What tells one state of a file from another without reading it.
+fn stamp(path: &Path) -> Stamp {
+    let data = std::fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
 }
 
 /// States of the files that were looked at last.
@@ -82,8 +92,8 @@ struct Seen {
     is_taken: bool,
 }
 
-/// Who follows a run.
-struct Follower {
+/// Follows a run.
+struct RunFollower {
     folder: PathBuf,
     seen: Seen,
     checkpoint: Option<(Progress, Trained)>,
@@ -91,9 +101,9 @@ struct Follower {
     told: Option<String>,
 }
 
-impl Follower {
-    /// Reads what has changed, and tells of it. A folder that is no run may become one.
-    fn look(&mut self, tell: &dyn Fn(News)) {
+impl RunFollower {
+    /// Reads what has changed, and sends it. A folder that is no run may become one.
+    fn look(&mut self, send: SendUpdate<'_>) {
         if !is_run(&self.folder) {
             return;
         }
@@ -107,15 +117,15 @@ impl Follower {
         }
         let anew = now.checkpoint != self.seen.checkpoint;
         self.seen = now;
-        match caught("following a training run", || self.read(anew)) {
+        match catch_panic("following a training run", || self.read(anew)) {
             Ok(training) => {
                 self.told = None;
-                tell(News::Training(training));
+                send(Update::TrainingRun(training));
             }
             Err(error) => {
                 let error = Some(message(&error.context(format!("{}", self.folder.display()))));
                 if self.told != error {
-                    error.iter().for_each(|error| tell(News::Refused(error.clone())));
+                    error.iter().for_each(|error| send(Update::Error(error.clone())));
                     self.told = error;
                 }
             }
@@ -123,7 +133,7 @@ impl Follower {
     }
 
     /// The run as it is now, its weights read `anew` or as they were.
-    fn read(&mut self, anew: bool) -> Result<Training> {
+    fn read(&mut self, anew: bool) -> Result<TrainingRun> {
         let config = TrainConfig::load(&self.folder)?;
         if anew {
             let checkpoint = Checkpoint::load(&self.folder, &config.spec)?;
@@ -133,7 +143,7 @@ impl Follower {
             });
         }
         let lines = metrics::read(&self.folder).context("the log of the run")?;
-        Ok(Training {
+        Ok(TrainingRun {
             folder: self.folder.clone(),
             steps: config.steps,
             batch: config.batch,
@@ -154,7 +164,7 @@ mod tests {
         Line { step, loss: 0.1, validation_loss: None, rate: 1e-3, images_per_second }
     }
 
-    fn training(step: usize, stopped: bool) -> Training {
+    fn training(step: usize, stopped: bool) -> TrainingRun {
         let progress = Progress { step, best_step: 0, best_loss: None, waited: 0, stopped, pause_loss: None };
         let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
         let spec =
@@ -162,7 +172,7 @@ mod tests {
         let model = Arc::new(Model { weights: Weights::random(&spec, 1), spec });
         let lines: Vec<Line> =
             (1..=20).map(|line_of| line(20 * line_of, if line_of > 10 { 8.0 } else { 1.0 })).collect();
-        Training {
+        TrainingRun {
             folder: PathBuf::new(),
             steps: 1000,
             batch: 4,
@@ -177,28 +187,28 @@ mod tests {
         assert_eq!(training(250, false).seconds_left(), Some(600.0 * 4.0 / 8.0));
         assert_eq!(training(250, true).seconds_left(), None, "it has stopped");
         assert_eq!(training(1000, false).seconds_left(), None, "it is through");
-        let left = Training { is_taken: false, ..training(250, false) };
+        let left = TrainingRun { is_taken: false, ..training(250, false) };
         assert_eq!(left.seconds_left(), None, "nobody is at it");
-        let fresh = Training { lines: [].into(), checkpoint: None, ..training(0, false) };
+        let fresh = TrainingRun { lines: [].into(), checkpoint: None, ..training(0, false) };
         assert_eq!((fresh.step(), fresh.seconds_left()), (0, None));
     }
 
     #[test]
-    fn a_follower_tells_once_of_each_change_and_of_what_is_broken() {
+    fn a_follower_sends_once_of_each_change_and_of_what_is_broken() {
         let folder = tempfile::tempdir().expect("a folder");
         let told = Mutex::new(Vec::new());
-        let tell = |news| {
-            told.lock().expect("no panic").push(match news {
-                News::Training(training) => format!("step {}", training.step()),
-                News::Refused(what) => what,
+        let send = |update| {
+            told.lock().expect("no panic").push(match update {
+                Update::TrainingRun(training) => format!("step {}", training.step()),
+                Update::Error(what) => what,
                 _ => "something else".to_owned(),
             });
         };
         let place = folder.path().to_owned();
         let mut follower =
-            Follower { folder: place.clone(), seen: Seen::default(), checkpoint: None, told: None };
+            RunFollower { folder: place.clone(), seen: Seen::default(), checkpoint: None, told: None };
         // It is no run yet.
-        follower.look(&tell);
+        follower.look(&send);
         let (_, trained) = training(0, false).checkpoint.expect("some");
         let mut config = TrainConfig::new(trained.0.spec.clone(), "data".into());
         config.steps = 100;
@@ -207,18 +217,18 @@ mod tests {
         write("config.json", &serde_json::to_vec(&config).expect("plain"));
         let log = |line: &Line| serde_json::to_string(line).expect("plain") + "\n";
         write(METRICS_FILE, log(&line(20, 1.0)).as_bytes());
-        follower.look(&tell);
-        follower.look(&tell);
+        follower.look(&send);
+        follower.look(&send);
         write(CHECKPOINT_FILE, b"no checkpoint");
-        follower.look(&tell);
-        follower.look(&tell);
+        follower.look(&send);
+        follower.look(&send);
         write(METRICS_FILE, (log(&line(20, 1.0)) + &log(&line(40, 1.0))).as_bytes());
         let progress = Progress { step: 60, ..training(0, false).checkpoint.expect("some").0 };
         let weights = trained.0.weights.clone();
         let mean = weights.clone();
         let checkpoint = Checkpoint { progress, weights, mean, best: None, optimiser: Vec::new() };
         checkpoint.save(&place, &config.spec).expect("saves");
-        follower.look(&tell);
+        follower.look(&send);
         let told = told.into_inner().expect("no panic");
         assert!(
             matches!(&told[..], [first, broken, last]

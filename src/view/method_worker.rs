@@ -1,14 +1,14 @@
-//! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its own, so that
-//! the window stays awake while a frame takes its time, and outlives a device that is lost.
+//! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its
+//! own, so that the window stays responsive while a frame takes its time, and outlives a device that is lost.
 
 mod picture;
 
 use super::Args;
-use super::caught::caught;
-use super::desk::News;
-use super::mailbox::Mailbox;
-use super::pictures::Developed;
+use super::catch_panic::catch_panic;
+use super::display_image::DisplayImage;
+use super::request_slot::RequestSlot;
 use super::subject::Subject;
+use super::workers::{SendUpdate, Update};
 use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
 use crate::methods::{self, LEARNED, Runs, Setup};
@@ -28,14 +28,14 @@ use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-pub use picture::{Order, Picture};
+pub use picture::{Picture, Request};
 
 /// What is made of every frame; where this changes, the scene goes to the GPU anew.
 #[derive(Clone, PartialEq)]
 pub struct Show {
     /// The scene.
     pub source: SceneSource,
-    /// How often hands have opened a scene: its files are read anew each time.
+    /// How often the user has opened a scene: its files are read anew each time.
     pub scenes_opened: u32,
     /// What is computed.
     pub effect: Effect,
@@ -55,7 +55,7 @@ pub struct Show {
     pub inspected: Option<Attribute>,
     /// Folder of the trained network; by default the usual one of the effect.
     pub model: Option<PathBuf>,
-    /// How often hands have opened a network, as of scenes.
+    /// How often the user has opened a network, as of scenes.
     pub models_opened: u32,
     /// Its weights, where a training run makes new ones; by default those in the folder.
     pub trained: Option<Trained>,
@@ -84,20 +84,20 @@ impl Show {
     }
 }
 
-/// Makes what is ordered until the mailbox is closed.
-pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
-    let mut studio = Studio::default();
-    while let Some(order) = orders.take() {
-        let doing = order.show.to_string();
-        match caught(&doing, || studio.make(args, order, tell)) {
+/// Makes what is requested until the slot is closed.
+pub fn run(args: &Args, requests: &RequestSlot<Request>, send: SendUpdate<'_>) {
+    let mut worker = MethodWorker::default();
+    while let Some(request) = requests.take() {
+        let doing = request.show.to_string();
+        match catch_panic(&doing, || worker.make(args, request, send)) {
             Ok(picture) => {
                 let picture = Arc::new(picture);
-                studio.made = Some(Arc::clone(&picture));
-                tell(News::Picture(picture));
+                worker.made = Some(Arc::clone(&picture));
+                send(Update::Picture(picture));
             }
             Err(error) => {
-                studio = Studio::default();
-                tell(News::NoPicture(message(&error)));
+                worker = MethodWorker::default();
+                send(Update::NoPicture(message(&error)));
             }
         }
     }
@@ -105,18 +105,18 @@ pub fn run(args: &Args, orders: &Mailbox<Order>, tell: &dyn Fn(News)) {
 
 /// What is kept from frame to frame.
 #[derive(Default)]
-struct Studio {
+struct MethodWorker {
     gpu: Option<Gpu>,
     /// The scene, and how often one had been opened when it was read.
     subject: Option<(u32, Arc<Subject>)>,
-    set: Option<Set>,
+    scene: Option<LiveScene>,
     passes: Vec<Pass>,
     /// The picture that was made last.
     made: Option<Arc<Picture>>,
 }
 
 /// A scene on the GPU with its methods.
-struct Set {
+struct LiveScene {
     show: Show,
     live: Live,
     /// Methods of the live scene, in its order.
@@ -127,52 +127,53 @@ struct Set {
     outside: Option<(Camera, Option<String>)>,
 }
 
-impl Studio {
-    fn make(&mut self, args: &Args, order: Order, tell: &dyn Fn(News)) -> Result<Picture> {
-        if let Some(picture) = self.made.as_ref().and_then(|made| made.exposed(&order)) {
+impl MethodWorker {
+    fn make(&mut self, args: &Args, request: Request, send: SendUpdate<'_>) -> Result<Picture> {
+        if let Some(picture) = self.made.as_ref().and_then(|made| made.exposed(&request)) {
             return Ok(picture);
         }
-        let show = &order.show;
-        let subject = self.subject(args, show, tell)?;
-        let camera = order.camera.unwrap_or(subject.pilot.camera);
-        let kept = self.set.take().map(|set| set.suited_to(show)).transpose()?.flatten();
-        let set = match kept {
-            Some(set) => set,
+        let show = &request.show;
+        let subject = self.subject(args, show, send)?;
+        let camera = request.camera.unwrap_or(subject.pilot.camera);
+        let kept = self.scene.take().map(|scene| scene.suited_to(show)).transpose()?.flatten();
+        let scene = match kept {
+            Some(scene) => scene,
             None => {
                 self.passes.clear();
-                Set::new(args, self.gpu()?, &subject, show, &camera)?
+                LiveScene::new(args, self.gpu()?, &subject, show, &camera)?
             }
         };
-        let set = self.set.insert(set);
-        let lights = subject.lights(order.lights.as_deref());
-        set.live.set_lights(&lights);
-        if let Some(times) = set.live.make(order.time, order.number, &camera)? {
-            self.passes = set.live.passes().into_iter().zip(times).collect();
+        let scene = self.scene.insert(scene);
+        let lights = subject.lights(request.lights.as_deref());
+        scene.live.set_lights(&lights);
+        if let Some(times) = scene.live.make(request.time, request.number, &camera)? {
+            self.passes = scene.live.passes().into_iter().zip(times).collect();
         }
-        let warning = set.warning(&camera)?;
-        let (images, of_processor) = set.images(&subject, &order, &camera, &lights)?;
-        let exposure = order.exposed(images.first().map(|(_, first)| first));
-        let developed = exposure.unwrap_or(Exposure::Plain);
-        let images = images.into_iter().map(|(name, image)| Developed::new(name, image, developed)).collect();
+        let warning = scene.warning(&camera)?;
+        let (images, of_processor) = scene.images(&subject, &request, &camera, &lights)?;
+        let exposure = request.exposed(images.first().map(|(_, first)| first));
+        let shown = exposure.unwrap_or(Exposure::Plain);
+        let images = images.into_iter().map(|(name, image)| DisplayImage::new(name, image, shown)).collect();
         let inspected =
-            show.inspected.map(|attribute| set.live.attribute(attribute).map(|values| (attribute, values)));
+            show.inspected.map(|attribute| scene.live.attribute(attribute).map(|values| (attribute, values)));
         let inspected =
-            inspected.transpose()?.map(|(attribute, values)| Developed::of_attribute(attribute, values));
+            inspected.transpose()?.map(|(attribute, values)| DisplayImage::of_attribute(attribute, values));
         let passes = self.passes.iter().cloned().chain(of_processor).collect();
-        let radius = set.radius;
-        Ok(Picture { subject, camera, lights, radius, warning, exposure, images, inspected, passes, order })
+        let radius = scene.radius;
+        Ok(Picture { subject, camera, lights, radius, warning, exposure, images, inspected, passes, request })
     }
 
-    /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are now.
-    fn subject(&mut self, args: &Args, show: &Show, tell: &dyn Fn(News)) -> Result<Arc<Subject>> {
+    /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are
+    /// now.
+    fn subject(&mut self, args: &Args, show: &Show, send: SendUpdate<'_>) -> Result<Arc<Subject>> {
         if let Some((opened, subject)) = &self.subject
             && (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
         {
             return Ok(Arc::clone(subject));
         }
-        self.set = None;
+        self.scene = None;
         let subject = Arc::new(Subject::load(args, &show.source, show.effect)?);
-        tell(News::Subject(Arc::clone(&subject)));
+        send(Update::Subject(Arc::clone(&subject)));
         self.subject = Some((show.scenes_opened, Arc::clone(&subject)));
         Ok(subject)
     }
@@ -186,7 +187,7 @@ impl Studio {
     }
 }
 
-impl Set {
+impl LiveScene {
     fn new(args: &Args, gpu: Gpu, subject: &Subject, show: &Show, camera: &Camera) -> Result<Self> {
         let screen = methods::screen_names(show.effect);
         let (on_screen, others): (Vec<&str>, Vec<&str>) =
@@ -246,11 +247,12 @@ impl Set {
         Ok(self.live.train(model)?.then_some(self))
     }
 
-    /// What each method made of the last frame, in the order asked for, and the milliseconds of those that run on the processor.
+    /// What each method made of the last frame, in the order asked for, and the milliseconds of those that
+    /// run on the processor.
     fn images(
         &self,
         subject: &Subject,
-        order: &Order,
+        request: &Request,
         camera: &Camera,
         lights: &[Light],
     ) -> Result<(Vec<Image>, Vec<Pass>)> {
@@ -259,10 +261,10 @@ impl Set {
             images.push((*name, self.live.image(index)?));
         }
         if !self.on_processor.is_empty() {
-            let scene = subject.traced(order.time, lights)?;
+            let scene = subject.traced(request.time, lights)?;
             let gbuffer = self.live.gbuffer(self.show.effect.attributes())?;
             let frame =
-                Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: self.radius, seed: order.number };
+                Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: self.radius, seed: request.number };
             for method in &self.on_processor {
                 let shaded = method.shade(&frame, Repeats::ONCE)?;
                 times.push((method.name().to_owned(), shaded.milliseconds));

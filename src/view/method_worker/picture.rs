@@ -2,7 +2,7 @@
 
 use super::{Pass, Show, Subject};
 use crate::render::picture::Exposure;
-use crate::view::pictures::Developed;
+use crate::view::display_image::DisplayImage;
 use anyhow::Result;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{Camera, Light};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A frame that is wanted.
 #[derive(Clone)]
-pub struct Order {
+pub struct Request {
     /// What is made of it.
     pub show: Show,
     /// From where it is seen; where nothing is said, from where the scene is seen first.
@@ -26,7 +26,7 @@ pub struct Order {
     pub number: u32,
 }
 
-impl Order {
+impl Request {
     /// How it is exposed, for images of which this is the first.
     pub fn exposed(&self, first: Option<&Planes>) -> Option<Exposure> {
         self.exposure.or_else(|| Some(Exposure::new(self.show.effect, first?, None)))
@@ -37,7 +37,7 @@ impl Order {
 #[derive(Clone)]
 pub struct Picture {
     /// What was ordered.
-    pub order: Order,
+    pub request: Request,
     /// Of what.
     pub subject: Arc<Subject>,
     /// From where it is seen.
@@ -51,22 +51,23 @@ pub struct Picture {
     /// How it was exposed, if there was anything to expose.
     pub exposure: Option<Exposure>,
     /// What each method made.
-    pub images: Vec<Developed>,
+    pub images: Vec<DisplayImage>,
     /// The attribute that is inspected.
-    pub inspected: Option<Developed>,
+    pub inspected: Option<DisplayImage>,
     /// Milliseconds of passes, as far as they are known.
     pub passes: Vec<Pass>,
 }
 
 impl Picture {
-    /// The picture that is ordered, where it is this one in another exposure: its images are developed anew, none is made.
-    pub fn exposed(&self, order: &Order) -> Option<Self> {
-        let made = &self.order;
-        let is_this = (&order.show, order.number, order.time) == (&made.show, made.number, made.time)
-            && (order.camera, order.lights.as_ref()) == (Some(self.camera), Some(&self.lights));
-        let exposure = order.exposed(self.images.first().map(|image| &*image.values)).filter(|_| is_this)?;
+    /// The requested picture, where it is this one in another exposure: no image is made anew.
+    pub fn exposed(&self, request: &Request) -> Option<Self> {
+        let made = &self.request;
+        let is_this = (&request.show, request.number, request.time) == (&made.show, made.number, made.time)
+            && (request.camera, request.lights.as_ref()) == (Some(self.camera), Some(&self.lights));
+        let exposure =
+            request.exposed(self.images.first().map(|image| &*image.values)).filter(|_| is_this)?;
         let images = self.images.iter().map(|image| image.exposed(exposure)).collect();
-        Some(Self { order: order.clone(), exposure: Some(exposure), images, ..self.clone() })
+        Some(Self { request: request.clone(), exposure: Some(exposure), images, ..self.clone() })
     }
 
     /// All attributes of what it shows, by a ray a pixel, whatever its methods read.
@@ -74,8 +75,8 @@ impl Picture {
     /// # Errors
     /// If there is no such moment.
     pub fn gbuffer(&self) -> Result<GBuffer> {
-        let [height, width] = self.order.show.size;
-        let scene = self.subject.traced(self.order.time, &self.lights)?;
+        let [height, width] = self.request.show.size;
+        let scene = self.subject.traced(self.request.time, &self.lights)?;
         Ok(gbuffer::render(&scene, &self.camera, height, width, &Attribute::ALL))
     }
 }
@@ -93,7 +94,7 @@ mod tests {
         let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
         let (camera, lights) = (subject.pilot.camera, subject.lights(None));
         let exposure = Exposure::Tone { middle: 0.5, white: 1.0 };
-        let order = Order {
+        let request = Request {
             show,
             camera: Some(camera),
             time: 0.0,
@@ -103,18 +104,18 @@ mod tests {
         };
         let values = Planes::from_fn(3, 16, 16, |_, y, x| (y + x) as f32 / 32.0);
         let picture = Picture {
-            order: order.clone(),
+            request: request.clone(),
             subject,
             camera,
             lights,
             radius: 0.5,
             warning: None,
             exposure: Some(exposure),
-            images: vec![Developed::new("ssgi", values, exposure)],
+            images: vec![DisplayImage::new("ssgi", values, exposure)],
             inspected: None,
             passes: Vec::new(),
         };
-        let brighter = Order { exposure: Some(exposure.brighter(2.0)), ..order.clone() };
+        let brighter = Request { exposure: Some(exposure.brighter(2.0)), ..request.clone() };
         let exposed = picture.exposed(&brighter).expect("the same picture");
         assert!(Arc::ptr_eq(&exposed.images[0].values, &picture.images[0].values));
         assert_eq!(exposed.exposure, brighter.exposure);
@@ -122,13 +123,14 @@ mod tests {
             picture.images[0].picture.pixels.iter().map(|it| u32::from(it.r())).sum::<u32>()
         };
         assert!(light(&exposed) > light(&picture) + 1000);
-        let suits = picture.exposed(&Order { exposure: None, ..order.clone() }).expect("the same picture");
-        assert_eq!(suits.exposure, Some(Exposure::new(order.show.effect, &picture.images[0].values, None)));
+        let suits =
+            picture.exposed(&Request { exposure: None, ..request.clone() }).expect("the same picture");
+        assert_eq!(suits.exposure, Some(Exposure::new(request.show.effect, &picture.images[0].values, None)));
         for other in [
-            Order { number: 4, ..brighter.clone() },
-            Order { time: 1.0, ..brighter.clone() },
-            Order { lights: Some(Vec::new()), ..brighter.clone() },
-            Order { show: Show { size: [8, 8], ..order.show.clone() }, ..brighter.clone() },
+            Request { number: 4, ..brighter.clone() },
+            Request { time: 1.0, ..brighter.clone() },
+            Request { lights: Some(Vec::new()), ..brighter.clone() },
+            Request { show: Show { size: [8, 8], ..request.show.clone() }, ..brighter.clone() },
         ] {
             assert!(picture.exposed(&other).is_none());
         }
