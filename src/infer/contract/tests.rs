@@ -116,6 +116,21 @@ fn normals_that_are_none_are_told() {
 }
 
 #[test]
+fn normals_of_the_world_beside_positions_of_the_camera_are_told() {
+    for family in Family::ALL {
+        for (axis, degrees) in [(Vec3::Y, 20.0f32), (Vec3::X, 12.0), (Vec3::Y, 75.0)] {
+            let turn = glam::Quat::from_axis_angle(axis, degrees.to_radians());
+            let ways = found(&changed(&rendered(family), |_, [p, n], d| ([p, turn * n], d)));
+            let [way] = ways[..] else { panic!("{}: {axis} {degrees}: {ways:?}", family.name()) };
+            assert!(way.is_grave(&ATTRIBUTES) || matches!(way, Contradiction::FacingAway(_)), "{way:?}");
+            if let Contradiction::Turned(found) = way {
+                assert!((found - degrees).abs() < 5.0, "{}: {axis} {degrees}: {found}", family.name());
+            }
+        }
+    }
+}
+
+#[test]
 fn backs_of_leaves_normal_maps_and_soft_edges_are_let_pass() {
     let some = |at: usize, of: usize| at.wrapping_mul(2_654_435_761) % 100 < of;
     let backs = of_room(|at, [p, n], d| ([p, if some(at, 15) { -n } else { n }], d));
