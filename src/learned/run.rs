@@ -53,6 +53,7 @@ mod tests {
     use super::*;
     use deepshade_infer::{ChannelOrder, Reach, TrainedUnder, Weights};
     use deepshade_shaders::Effect;
+    use deepshade_train::Endless;
     use deepshade_train::checkpoint::Progress;
 
     #[test]

@@ -17,8 +17,8 @@ const MOST_ASKEW: f32 = 0.4;
 const NAMED: f32 = 0.75;
 const BETTER: f32 = 0.05;
 const ALIKE: f32 = 0.005;
-/// By how much a rotation must raise the mean cosine to be told: that of some six degrees about an axis.
-const TURNED: f32 = 0.004;
+/// By how much a rotation must raise the mean cosine to be told: that of some fourteen degrees about an axis.
+const TURNED: f32 = 0.02;
 /// Which axes may be reversed, the fewest first. The first are none and the last are all.
 const REVERSED: [[bool; 3]; 8] = [
     [false, false, false],
