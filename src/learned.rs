@@ -72,24 +72,24 @@ pub fn files(folder: &Path) -> [PathBuf; 2] {
     [SPEC, WEIGHTS].map(|name| folder.join(name))
 }
 
-/// What the network in a folder computes; of a training run, before it has weights.
+/// What the network in a folder is; of a training run, before it has weights.
 ///
 /// # Errors
 /// If there is none or it is damaged.
 #[cfg(feature = "view")]
-pub fn effect(folder: &Path) -> Result<Effect> {
+pub fn spec(folder: &Path) -> Result<NetSpec> {
     #[cfg(feature = "train")]
     if is_run(folder) {
-        return Ok(run::spec(folder)?.effect);
+        return run::spec(folder);
     }
-    Ok(network(folder, None)?.spec.effect)
+    Ok(network(folder, None)?.spec)
 }
 
-/// The environment that the model of an effect in a folder knows by heart; `None` where there is no such
-/// model, or that is not known.
+/// The environment that the network of an effect in a folder knows by heart; `None` where there is no such
+/// network, or that is not known.
 #[cfg(feature = "view")]
 pub fn environment(folder: &Path, effect: Effect) -> Option<TrainedUnder> {
-    let spec = Model::load(folder).ok()?.spec;
+    let spec = spec(folder).ok()?;
     spec.environment.filter(|_| spec.effect == effect)
 }
 

@@ -6,11 +6,12 @@ use crate::arguments::check_size;
 use crate::complete::listeners;
 use crate::methods;
 use crate::views::{Choice, View, Viewpoint};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use deepshade_dataset::Radius;
 use deepshade_render::path::sampler::MAX_SAMPLES;
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::Setting;
+use deepshade_shaders::names::with_meant;
 use std::fmt::Debug;
 use std::path::{Component, Path, PathBuf};
 
@@ -30,7 +31,8 @@ pub struct Comparison {
 /// If it cannot be read, or a key or a value is none, with its line.
 pub fn read(path: &Path) -> Result<Run> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let mut run: Run = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    let run = toml::from_str(&text).map_err(|error| anyhow!(with_meant(&error.to_string())));
+    let mut run: Run = run.with_context(|| path.display().to_string())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     run.map_paths(&|path| folder.join(path));
     Ok(run)

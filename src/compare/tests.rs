@@ -85,6 +85,13 @@ fn runs_have_what_they_leave_out_from_the_run_that_they_stand_in() {
 }
 
 #[test]
+fn an_unknown_key_is_followed_by_the_one_that_was_meant() {
+    let refused = comparison("scenes = [\"room:7\"]\nefects = [\"ao\"]", &Run::default());
+    let error = format!("{:#}", refused.expect_err("an unknown key"));
+    assert!(error.contains("`efects` (did you mean `effects`?)"), "{error}");
+}
+
+#[test]
 fn numbers_of_a_method_are_read_as_tables_and_written_so_that_they_are_read_again() {
     let text = "scenes = [\"room:7\"]\n\
         methods = [\"gtao\", { name = \"gtao\", parameters = { slices.thickness = 0.5, blur = { radius = 2 } } }]";

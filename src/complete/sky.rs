@@ -20,6 +20,11 @@ pub fn of_recipe(recipe: &Recipe) -> Option<TrainedUnder> {
 /// Adds an environment where there is none: the sky that the network knows, else one that the seed chooses.
 /// Says which, and where the network knows another one than there is.
 pub fn add(look: &mut Look, wants: &Wants<'_>, added: &mut Vec<String>) {
+    let another = match (&look.environment, wants.learned) {
+        (Some(there), Some(learned)) => !is_it(learned, there, wants),
+        (None, Some(learned)) => matches!(learned, TrainedUnder::File(_)),
+        (_, None) => false,
+    };
     if look.environment.is_none() {
         let (number, why) = match wants.learned {
             Some(TrainedUnder::Sky(number)) => (*number, ", which the network was trained under"),
@@ -28,9 +33,7 @@ pub fn add(look: &mut Look, wants: &Wants<'_>, added: &mut Vec<String>) {
         look.environment = Some(Arc::new(sky(u64::from(number))));
         added.push(format!("no environment is given: a clear sky, number {number}{why}"));
     }
-    let there = look.environment.as_deref();
-    let another = wants.learned.filter(|learned| !is_it(learned, there, wants));
-    added.extend(another.map(said_of_another));
+    added.extend(wants.learned.filter(|_| another).map(said_of_another));
 }
 
 /// What is said where there is another environment than a network knows.
@@ -41,9 +44,9 @@ pub fn said_of_another(learned: &TrainedUnder) -> String {
 }
 
 /// Whether an environment is the one that a network knows.
-fn is_it(learned: &TrainedUnder, there: Option<&Environment>, wants: &Wants<'_>) -> bool {
+fn is_it(learned: &TrainedUnder, there: &Environment, wants: &Wants<'_>) -> bool {
     match learned {
-        TrainedUnder::Sky(number) => there == Some(&sky(u64::from(*number))),
+        TrainedUnder::Sky(number) => *there == sky(u64::from(*number)),
         TrainedUnder::File(hash) => {
             let given = wants.additions.environment.as_deref();
             given.and_then(|path| file_digest(path).ok()).as_ref() == Some(hash)

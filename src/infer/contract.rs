@@ -6,6 +6,7 @@
 
 mod depths;
 mod normals;
+mod rotation;
 mod told;
 mod world;
 
@@ -47,6 +48,8 @@ pub enum Contradiction {
     Reversed([bool; 3]),
     /// This share of the normals does not stand on the surface that the positions make.
     OtherNormals(f32),
+    /// Normals stand on the surface that the positions make once all are turned by so many degrees.
+    Turned(f32),
     /// This share of pairs of pixels has another angle between world normals than between normals.
     OtherWorldNormals(f32),
     /// World normals are those of a mirrored scene.

@@ -1,6 +1,8 @@
 //! A training run as a network: what `deepshade train` has in its folder so far.
 
+use crate::complete::sky;
 use anyhow::{Context, Result};
+use deepshade_dataset::{Manifest, Recipe};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_train::TrainConfig;
 use deepshade_train::checkpoint::{CHECKPOINT_FILE, Checkpoint};
@@ -20,12 +22,17 @@ pub fn is_run(folder: &Path) -> bool {
     is_there(CONFIG_FILE) && (is_there(METRICS_FILE) || is_there(CHECKPOINT_FILE))
 }
 
-/// What the network of a run is.
+/// What the network of a run is, with the environment of its training where its data are there.
 ///
 /// # Errors
 /// If the run's config is damaged.
 pub fn spec(folder: &Path) -> Result<NetSpec> {
-    Ok(TrainConfig::load(folder)?.spec)
+    let config = TrainConfig::load(folder)?;
+    let recipe = match config.stream {
+        Some(_) => Recipe::load(&config.dataset).ok(),
+        None => Manifest::load(&config.dataset).ok().map(|manifest| manifest.origin.recipe),
+    };
+    Ok(NetSpec { environment: recipe.as_ref().and_then(sky::of_recipe), ..config.spec })
 }
 
 /// The network of a run with the newest weights that it has saved.
@@ -44,9 +51,27 @@ pub fn newest(folder: &Path) -> Result<Model> {
 mod tests {
     use super::super::network;
     use super::*;
-    use deepshade_infer::{ChannelOrder, Reach, Weights};
+    use deepshade_infer::{ChannelOrder, Reach, TrainedUnder, Weights};
     use deepshade_shaders::Effect;
+    use deepshade_train::Endless;
     use deepshade_train::checkpoint::Progress;
+
+    #[test]
+    fn a_run_knows_the_environment_of_its_recipe() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let recipe = |name: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes").join(name);
+        let environment = |data: &Path| {
+            let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 64 };
+            let net = NetSpec::ao(ChannelOrder::Interleaved, reach);
+            let stream = Some(Endless { uses: 1, window: 8 });
+            let config = TrainConfig { stream, ..TrainConfig::new(net, data.to_owned()) };
+            let json = serde_json::to_vec(&config).expect("plain");
+            std::fs::write(folder.path().join(CONFIG_FILE), json).expect("written");
+            spec(folder.path()).expect("a spec").environment
+        };
+        assert_eq!(environment(&recipe("do.toml")), Some(TrainedUnder::Sky(1)));
+        assert_eq!([recipe("ao.toml"), recipe("gone.toml")].map(|data| environment(&data)), [None, None]);
+    }
 
     #[test]
     fn a_run_is_its_newest_weights_once_it_has_some() {

@@ -102,7 +102,9 @@ impl State {
         #[cfg(feature = "train")]
         let awaits_network = none_wanted && awaits_network(&show);
         // One that is not there yet is taken for what the window begins with.
-        let of = |folder: &PathBuf| (learned::effect(folder).unwrap_or(args.effect), folder.clone());
+        let of = |folder: &PathBuf| {
+            (learned::spec(folder).map_or(args.effect, |spec| spec.effect), folder.clone())
+        };
         let networks = show.model.iter().map(of).collect();
         Ok(Self {
             args: Arc::new(args.clone()),

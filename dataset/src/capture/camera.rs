@@ -1,6 +1,7 @@
 //! What is known of a capture's camera before an image is read.
 
 use super::{CaptureError, Intrinsics};
+use deepshade_shaders::names::with_meant;
 use glam::Vec2;
 use serde::Deserialize;
 use std::path::Path;
@@ -77,8 +78,8 @@ impl CaptureCamera {
             return Ok(None);
         }
         let text = std::fs::read_to_string(path).map_err(|source| CaptureError::io(path, source))?;
-        let stated: Stated =
-            toml::from_str(&text).map_err(|error| CaptureError::invalid(path, error.to_string()))?;
+        let stated: Stated = toml::from_str(&text)
+            .map_err(|error| CaptureError::invalid(path, with_meant(&error.to_string())))?;
         stated.camera(depth_scale).map(Some).map_err(|what| CaptureError::invalid(path, what))
     }
 

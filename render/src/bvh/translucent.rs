@@ -24,6 +24,11 @@ impl TracedScene {
         self.nearest(ray(origin, direction, reach), stops)
     }
 
+    /// The nearest surface along a ray that no light passes, up to `reach` lengths of `direction`.
+    pub fn opaque_hit(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
+        self.nearest(ray(origin, direction, reach), |opacity, _| opacity >= 1.0)
+    }
+
     /// The share of light that gets through along a ray within `reach` lengths of `direction`: the product of what each
     /// surface lets through, 0 behind an opaque one.
     pub fn let_through(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {

@@ -5,7 +5,7 @@ use super::proving::{traced, with_environment};
 use super::sampler::{PixelSampler, Stream};
 use super::{Integrator, Shot, integrator};
 use crate::bvh::TracedScene;
-use crate::scene::{Camera, Environment, Light, Material, Mesh, Scene};
+use crate::scene::{Camera, Density, Environment, Light, Material, Medium, Mesh, Scene};
 use deepshade_shaders::Effect;
 use glam::{DQuat, DVec3, Vec2, Vec3};
 
@@ -103,6 +103,25 @@ fn a_closed_room_is_black_wherever_it_stands() {
         for turn in turns() {
             let scene = lit_from_outside(distance, turn, 0);
             for effect in [Effect::Path, Effect::Gi, Effect::Glossy, Effect::Ao, Effect::Do, Effect::Multi] {
+                let light = values(&scene, distance, effect, 32);
+                let lit = light.iter().filter(|value| **value != Vec3::ZERO).count();
+                assert_eq!(lit, 0, "{effect:?} at {distance} m: {lit} of {} pixels", light.len());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_closed_room_full_of_fog_is_black_wherever_it_stands() {
+    let fog = Medium::new(Vec3::splat(0.05), Vec3::splat(0.6), 0.2, Density::Everywhere).expect("fog");
+    for distance in DISTANCES {
+        for turn in turns() {
+            let scene = Scene {
+                medium: Some(fog.clone().into()),
+                ..lit_from_outside(distance, turn, 0).scene().clone()
+            };
+            let scene = TracedScene::new(scene).expect("a room");
+            for effect in [Effect::Path, Effect::FogDirect, Effect::FogIndirect, Effect::FogMultiple] {
                 let light = values(&scene, distance, effect, 32);
                 let lit = light.iter().filter(|value| **value != Vec3::ZERO).count();
                 assert_eq!(lit, 0, "{effect:?} at {distance} m: {lit} of {} pixels", light.len());

@@ -21,9 +21,16 @@ pub(super) use uniform::FreeFlight;
 
 use super::sampler::Stream;
 use crate::bvh::TracedScene;
+use crate::intersection::SurfacePoint;
 use crate::scene::{Density, Light, Medium};
 use glam::Vec3;
 use lamps::Lamps;
+
+/// Coordinates from which on their rounding is looked after, metres: below, it is some micrometres.
+const COARSE: f32 = 100.0;
+
+/// How far a wall is looked for, in parts of the way to a point: it may lie in the wall.
+const BEYOND: f32 = 1.0001;
 
 /// What fills a scene, if anything does.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +64,18 @@ impl Segment {
     /// The point at a distance.
     pub fn at(&self, distance: f32) -> Vec3 {
         self.origin + self.direction * distance
+    }
+
+    /// The point at a distance, from which rays start. Far from the world's origin its coordinates are rounded
+    /// so much that it may lie in or behind a wall that is near: there rays start before that wall.
+    pub fn start_at(&self, distance: f32, scene: &TracedScene) -> Vec3 {
+        let point = self.at(distance);
+        let way = point - self.origin;
+        if point.abs().max_element() < COARSE || way == Vec3::ZERO {
+            return point;
+        }
+        let wall = scene.opaque_hit(self.origin, way, BEYOND);
+        wall.map_or(point, |hit| SurfacePoint::new(scene, &hit, way.normalize()).ray_origin())
     }
 }
 

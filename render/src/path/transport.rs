@@ -161,7 +161,9 @@ impl<'a> Transport<'a> {
                 return;
             }
             let vertex = match (scattered, &hit) {
-                (Some(distance), _) => Vertex::medium(&self.media, &segment, distance),
+                (Some(distance), _) => {
+                    Vertex::medium(&self.media, segment.start_at(distance, self.scene), edge.direction)
+                }
                 (None, Some(hit)) => {
                     Vertex::surface(SurfacePoint::new(self.scene, hit, edge.direction), edge.direction)
                 }

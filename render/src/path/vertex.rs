@@ -1,7 +1,7 @@
 //! Where a path turns: on a surface or in the medium. Shared by all integrators that follow paths through a medium.
 
 use super::bsdf::{Bsdf, BsdfSample};
-use super::medium::{HenyeyGreenstein, Media, Segment};
+use super::medium::{HenyeyGreenstein, Media};
 use super::sampler::Stream;
 use crate::intersection::SurfacePoint;
 use glam::Vec3;
@@ -36,9 +36,9 @@ impl Vertex {
         Self::Surface { bsdf: Bsdf::new(&point), point, to_viewer: -direction }
     }
 
-    /// In the medium, at a distance on a segment.
-    pub fn medium(media: &Media<'_>, segment: &Segment, distance: f32) -> Self {
-        Self::Medium { point: segment.at(distance), phase: media.phase(), direction: segment.direction }
+    /// In the medium, at a point that the path came to along `direction`.
+    pub fn medium(media: &Media<'_>, point: Vec3, direction: Vec3) -> Self {
+        Self::Medium { point, phase: media.phase(), direction }
     }
 
     /// Where rays from here start, and from where lights are sampled.

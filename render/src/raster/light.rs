@@ -5,7 +5,7 @@ use super::shadow::MapPlan;
 use super::surface::SurfaceImage;
 use super::world::World;
 use crate::path::lights::axes;
-use crate::scene::{Encoding, Light, Scene, TextureId};
+use crate::scene::{Encoding, Filter, Light, Scene, TextureId};
 use crate::screen::{GpuGBuffer, Step};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
@@ -77,7 +77,8 @@ fn records(lights: &[Light], belongings: &[Belongings]) -> Vec<LightRecord> {
     of_each.map(|(light, (maps, picture))| record(light, *maps, *picture)).collect()
 }
 
-/// Where each picture's texels begin, its columns and rows, what its bytes mean (1 sRGB, 2 linear), and all texels.
+/// Where each picture's texels begin, its columns and rows, what its bytes mean (1 sRGB, 2 linear; 2 more where the nearest texel
+/// is read), and all texels.
 fn pictures(scene: &Scene) -> (BTreeMap<u32, [f32; 4]>, Vec<u32>) {
     let (mut places, mut texels) = (BTreeMap::new(), Vec::new());
     for TextureId(index) in scene.lights.iter().filter_map(Light::picture) {
@@ -87,7 +88,8 @@ fn pictures(scene: &Scene) -> (BTreeMap<u32, [f32; 4]>, Vec<u32>) {
             let first = texels.len();
             texels.extend(texture.texels().iter().map(|texel| u32::from_le_bytes(*texel)));
             let encoding = if texture.encoding() == Encoding::Srgb { 1.0 } else { 2.0 };
-            [first as f32, width as f32, height as f32, encoding]
+            let filter = if texture.filter() == Filter::Nearest { 2.0 } else { 0.0 };
+            [first as f32, width as f32, height as f32, encoding + filter]
         });
     }
     (places, texels)

@@ -77,19 +77,13 @@ impl Scene {
     pub(super) fn has_texture(&self, texture: TextureId) -> bool {
         (texture.0 as usize) < self.textures.len()
     }
-
-    /// Whether nothing in the scene shines: no light, no emissive material, no environment.
-    pub fn is_dark(&self) -> bool {
-        let emits = |material: &Material| material.emission.max_element() > 0.0;
-        self.lights.is_empty() && self.environment.is_none() && !self.materials.iter().any(emits)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bvh::TracedScene;
-    use crate::scene::{AlphaMode, Density};
+    use crate::scene::{AlphaMode, Density, Encoding, Wrap};
     use glam::{Affine2, Vec3};
 
     fn square() -> TracedScene {
@@ -166,6 +160,17 @@ mod tests {
         lamp.materials[0].emission = Vec3::X;
         assert!(!lamp.is_dark());
         let light = Light::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::ONE, pattern: None };
-        assert!(!Scene { lights: vec![light], ..dark }.is_dark());
+        assert!(!Scene { lights: vec![light], ..dark.clone() }.is_dark());
+        let map = |texel: [u8; 4]| {
+            let texture = Texture::new(1, 1, vec![texel], Encoding::Srgb, [Wrap::Repeat; 2]);
+            let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
+            let mut scene = Scene { textures: vec![texture.into()], ..lamp.clone() };
+            scene.materials[0].emission_texture = Some(slot);
+            scene.is_dark()
+        };
+        assert!(map([0, 0, 0, 255]) && !map([0, 1, 0, 255]), "by the emission map");
+        let mut unused = dark;
+        unused.materials.push(Material { emission: Vec3::X, ..Material::default() });
+        assert!(unused.is_dark(), "no face has it");
     }
 }

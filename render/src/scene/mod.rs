@@ -214,7 +214,16 @@ impl Scene {
 
     /// Whether any surface emits light by itself.
     pub fn emits(&self) -> bool {
-        self.meshes.iter().any(|mesh| self.material(mesh.material).emission.max_element() > 0.0)
+        let is_lit = |slot: TextureSlot| !self.textures[slot.texture.0 as usize].is_black();
+        let emits = |material: &Material| {
+            material.emission.max_element() > 0.0 && material.emission_texture.is_none_or(is_lit)
+        };
+        self.meshes.iter().any(|mesh| emits(self.material(mesh.material)))
+    }
+
+    /// Whether nothing in the scene shines: no light, no surface that emits, no environment.
+    pub fn is_dark(&self) -> bool {
+        self.lights.is_empty() && self.environment.is_none() && !self.emits()
     }
 
     /// Whether any of its surface keeps light.

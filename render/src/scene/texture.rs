@@ -96,6 +96,11 @@ impl Texture {
         &self.texels
     }
 
+    /// Whether no texel has a colour.
+    pub fn is_black(&self) -> bool {
+        self.texels.iter().all(|[r, g, b, _]| [r, g, b] == [&0; 3])
+    }
+
     /// What the stored bytes mean.
     pub const fn encoding(&self) -> Encoding {
         self.encoding

@@ -84,6 +84,19 @@ fn textures_without_an_image_are_as_if_they_were_not_there() {
     assert_eq!(scene.warnings, [""; 0]);
 }
 
+#[test]
+fn textures_by_other_coordinates_than_sets_0_and_1_are_left_out() {
+    let text = triangle().gltf(
+        r#""nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
+        "materials":[{"pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0,"texCoord":3}}}],
+        "textures":[{"source":0}],"images":[{"uri":"gone.png"}]"#,
+    );
+    let scene = load(&text, 0.0).expect("the triangle");
+    assert!(scene.materials[0].base_colour_texture.is_none());
+    let said = "texture 0 is placed by texture coordinates 3 and left out: sets 0 and 1 are read";
+    assert!(scene.warnings.len() == 1 && scene.warnings[0].ends_with(said), "{:?}", scene.warnings);
+}
+
 /// Two primitives, of which the first has no positions.
 fn half_placed(indices: &str) -> String {
     let mut builder = triangle();

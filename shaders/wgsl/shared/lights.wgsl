@@ -8,6 +8,8 @@ const DIRECTIONAL = 2.0;
 const LEAST_DISTANCE = 1e-6;
 const WIDEST_SLIDE = 0.0174524;
 const LINEAR_PICTURE = 2.0;
+// Added to what a picture's bytes mean where it is read texel by texel.
+const NEAREST_PICTURE = 2.0;
 
 struct Arrival {
     // To the light.
@@ -27,16 +29,17 @@ fn picture_texel(light: LightRecord, x: i32, y: i32) -> vec3f {
     }
     let word = pictures[u32(light.picture.x) + u32(at.y * size.x + at.x)];
     let stored = unpack4x8unorm(word).rgb;
-    if light.picture.w == LINEAR_PICTURE {
+    if light.picture.w == LINEAR_PICTURE || light.picture.w == LINEAR_PICTURE + NEAREST_PICTURE {
         return stored;
     }
     return select(pow((stored + 0.055) / 1.055, vec3f(2.4)), stored / 12.92, stored <= vec3f(0.04045));
 }
 
 fn picture_at(light: LightRecord, uv: vec2f) -> vec3f {
-    let at = uv * light.picture.yz - 0.5;
+    let is_nearest = light.picture.w > NEAREST_PICTURE;
+    let at = uv * light.picture.yz - select(0.5, 0.0, is_nearest);
     let first = floor(at);
-    let part = at - first;
+    let part = select(at - first, vec2f(0.0), is_nearest);
     let x = i32(first.x);
     let y = i32(first.y);
     let top = mix(picture_texel(light, x, y), picture_texel(light, x + 1, y), part.x);

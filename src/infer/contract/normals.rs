@@ -1,5 +1,6 @@
 //! What contradicts normals: their lengths, the eye, and the surface that positions make.
 
+use super::rotation;
 use super::{AWAY, Contradiction, FEWEST, SOME_AWAY, median, share};
 use deepshade_shaders::{Attribute, GBuffer};
 use glam::Vec3;
@@ -16,6 +17,8 @@ const MOST_ASKEW: f32 = 0.4;
 const NAMED: f32 = 0.75;
 const BETTER: f32 = 0.05;
 const ALIKE: f32 = 0.005;
+/// By how much a rotation must raise the mean cosine to be told: that of some fourteen degrees about an axis.
+const TURNED: f32 = 0.02;
 /// Which axes may be reversed, the fewest first. The first are none and the last are all.
 const REVERSED: [[bool; 3]; 8] = [
     [false, false, false],
@@ -70,7 +73,19 @@ pub fn of_both(
     if !pairs.is_empty() && askew > MOST_ASKEW {
         return Some(Contradiction::OtherNormals(askew));
     }
-    (away > SOME_AWAY).then_some(Contradiction::FacingAway(away))
+    if away > SOME_AWAY {
+        return Some(Contradiction::FacingAway(away));
+    }
+    turned(&pairs).map(Contradiction::Turned)
+}
+
+/// By how many degrees all normals must be turned to stand on their surface, where that takes most of what
+/// they are off it. Relief, soft edges and rounding are off in all directions, so that no rotation does.
+fn turned(pairs: &[Pair]) -> Option<f32> {
+    let rotation = rotation::nearest(pairs)?;
+    let mean = pairs.iter().map(|(normal, surface)| normal.dot(*surface)).sum::<f32>() / pairs.len() as f32;
+    let explained = rotation.mean_cosine - mean;
+    (explained > TURNED && explained > 0.5 * (1.0 - mean)).then_some(rotation.degrees)
 }
 
 /// Whether most normals stand on the surface that positions make, in whatever space both are.

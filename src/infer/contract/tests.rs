@@ -116,6 +116,20 @@ fn normals_that_are_none_are_told() {
 }
 
 #[test]
+fn normals_of_the_world_beside_positions_of_the_camera_are_told_nearly_always() {
+    let (mut told, mut all) = (0, 0);
+    for family in Family::ALL {
+        for (axis, degrees) in [(Vec3::Y, 20.0f32), (Vec3::X, 25.0), (Vec3::Y, 75.0)] {
+            let turn = glam::Quat::from_axis_angle(axis, degrees.to_radians());
+            let ways = found(&changed(&rendered(family), |_, [p, n], d| ([p, turn * n], d)));
+            all += 1;
+            told += usize::from(ways.iter().any(|way| way.is_grave(&ATTRIBUTES)));
+        }
+    }
+    assert!(5 * told >= 4 * all, "{told} of {all}");
+}
+
+#[test]
 fn backs_of_leaves_normal_maps_and_soft_edges_are_let_pass() {
     let some = |at: usize, of: usize| at.wrapping_mul(2_654_435_761) % 100 < of;
     let backs = of_room(|at, [p, n], d| ([p, if some(at, 15) { -n } else { n }], d));

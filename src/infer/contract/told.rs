@@ -63,6 +63,12 @@ impl fmt::Display for Contradiction {
                  normals of another space than the positions'",
                 percent(share)
             ),
+            Self::Turned(degrees) => write!(
+                f,
+                "normals stand on the surface that the positions make once all are turned by {} degrees: it \
+                 looks like normals of another space than the positions'",
+                degrees.round()
+            ),
             Self::OtherWorldNormals(share) => write!(
                 f,
                 "the layers `normal` and `world_normal` are not of the same surfaces: {} % of the angles \

@@ -1,13 +1,14 @@
 //! What is asked of a design: a file (TOML).
 
 use crate::views::Viewpoint;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use deepshade_render::phosphor::design::{MAX_STATES, Reach};
 use deepshade_render::phosphor::spectrum::Bands;
 use deepshade_render::phosphor::spectrum::lights::Light;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::glow::Schedule;
 use deepshade_render::scene::glow::file::{LampTimes, schedules};
+use deepshade_shaders::names::with_meant;
 use glam::Vec3;
 use serde::Deserialize;
 use std::path::Path;
@@ -99,7 +100,7 @@ impl Task {
 
     /// A file's text, in a folder.
     fn parse(text: &str, folder: &Path) -> Result<Self> {
-        let mut task: Self = toml::from_str(text)?;
+        let mut task: Self = toml::from_str(text).map_err(|error| anyhow!(with_meant(&error.to_string())))?;
         if let SceneSource::File(file) = &mut task.scene {
             *file = folder.join(&*file);
         }

@@ -27,7 +27,7 @@ impl State {
     /// # Errors
     /// If it is damaged.
     pub fn open_model(&mut self, folder: &Path) -> Result<()> {
-        self.take_network(learned::effect(folder)?, folder);
+        self.take_network(learned::spec(folder)?.effect, folder);
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use super::settings::Setting;
 use anyhow::{Result, bail};
 use deepshade::shared::figures::write_atomically;
 use deepshade_render::path::Sampling;
-use deepshade_render::scene::{Camera, Density, Gloss, Material, Medium, Mesh, Scene, Wrap};
+use deepshade_render::scene::{Camera, Density, Filter, Gloss, Material, Medium, Mesh, Scene, Wrap};
 use deepshade_shaders::Effect;
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
@@ -174,7 +174,11 @@ fn write_mesh(
             Wrap::Mirror => "mirror",
             Wrap::Clamp => "clamp",
         };
-        Ok(json!({ "file": file, "wrap": wrap }))
+        let filter = match texture.filter() {
+            Filter::Linear => "bilinear",
+            Filter::Nearest => "nearest",
+        };
+        Ok(json!({ "file": file, "wrap": wrap, "filter": filter }))
     });
     Ok(json!({
         "file": file,
@@ -255,6 +259,19 @@ mod tests {
             case["meshes"][0]["texture"]["wrap"] == "repeat"
                 && case["lights"].as_array().expect("lights").len() == 3
         );
+    }
+
+    #[test]
+    fn textures_are_read_as_the_scene_says() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let setting = settings::build("blocks", Path::new("")).expect("built").expect("procedural");
+        let mut scene = setting.scene;
+        scene.textures =
+            scene.textures.iter().map(|t| (**t).clone().with_filter(Filter::Nearest).into()).collect();
+        let mesh = write_mesh(folder.path(), &scene, &scene.meshes[0], "mesh".to_owned(), None);
+        assert_eq!(mesh.expect("written")["texture"]["filter"], "nearest");
+        let case = exported(Effect::Ao, None);
+        assert_eq!(case["meshes"][0]["texture"]["filter"], "bilinear");
     }
 
     #[test]

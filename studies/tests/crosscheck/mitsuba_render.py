@@ -330,7 +330,7 @@ def mesh(folder, exported):
             "type": "bitmap",
             "filename": str(folder / texture["file"]),
             "raw": True,
-            "filter_type": "bilinear",
+            "filter_type": texture["filter"],
             "wrap_mode": texture["wrap"],
         }
     bsdf = {"type": "diffuse", "reflectance": reflectance}

@@ -57,7 +57,7 @@ impl Afterglow<'_> {
             return Vec3::ZERO;
         }
         let distance = from + number * (to - from);
-        let point = segment.at(distance);
+        let point = segment.start_at(distance, self.scene);
         // What scatters light sends none of its own: deep inside, paths would add it up to more than the paint has.
         let absorption = medium.absorption * medium.density.inside(point);
         if absorption == Vec3::ZERO {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::path::proving;
-use crate::scene::{Encoding, Texture, TextureId, Wrap};
+use crate::scene::{Encoding, Filter, Texture, TextureId, Wrap};
 
 fn picture(seed: u32, encoding: Encoding) -> std::sync::Arc<Texture> {
     let byte = |i: u32, c: u32| (deepshade_shaders::random::random(i, c, seed, 0) * 255.0) as u8;
@@ -11,10 +11,16 @@ fn picture(seed: u32, encoding: Encoding) -> std::sync::Arc<Texture> {
 }
 
 fn floor_under(light: Light) -> Scene {
+    let nearest = |seed, encoding| (*picture(seed, encoding)).clone().with_filter(Filter::Nearest).into();
     Scene {
         meshes: vec![proving::floor()].into(),
         materials: vec![Material { gloss: Gloss::None, ..Material::matte("", Vec3::splat(0.5)) }],
-        textures: vec![picture(1, Encoding::Srgb), picture(2, Encoding::Linear)],
+        textures: vec![
+            picture(1, Encoding::Srgb),
+            picture(2, Encoding::Linear),
+            nearest(1, Encoding::Srgb),
+            nearest(2, Encoding::Linear),
+        ],
         lights: vec![light],
         ..Scene::default()
     }
@@ -39,8 +45,7 @@ fn slides_and_patterns_fall_where_the_lights_throw_them() {
         pattern: pattern.map(|texture| (texture, 1.7)),
     };
     let camera = Camera::look_at(Vec3::new(1.0, 6.0, 5.0), Vec3::ZERO);
-    for texture in [TextureId(0), TextureId(1)] {
-        let other = TextureId(1 - texture.0);
+    for (texture, other) in [(0, 1), (1, 0), (2, 0), (3, 1)].map(|(a, b)| (TextureId(a), TextureId(b))) {
         for [light, wrong, plain] in [
             [spot(Some(texture), 0.7), spot(Some(other), 0.7), spot(None, 0.7)],
             [spot(Some(texture), 0.3), spot(Some(other), 0.3), spot(None, 0.3)],
@@ -52,8 +57,12 @@ fn slides_and_patterns_fall_where_the_lights_throw_them() {
                 gbuffer::render(&scene, &camera, HEIGHT, WIDTH, &[Attribute::Light, Attribute::DiffuseLight])
             };
             let off = |light: Light| share_outside(&found, &expected(light), Attribute::Light, 2e-3);
-            // Edges of texels: 0.0027 on an H100.
-            assert!(off(light) < 4e-3, "{} of the pixels differ: {light:?}", off(light));
+            // Edges of texels: 0.0027 on an H100, and where the nearest one is read their borders.
+            assert!(
+                off(light) < if texture.0 < 2 { 4e-3 } else { 2e-2 },
+                "{} of the pixels differ: {light:?}",
+                off(light)
+            );
             assert!(off(wrong) > 0.2 && off(plain) > 0.2, "another picture is noticed: {light:?}");
         }
     }

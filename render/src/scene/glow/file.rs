@@ -6,6 +6,7 @@ use crate::phosphor::material::file::{FileError, MaterialFile};
 use crate::phosphor::paint::Paint;
 use crate::phosphor::spectrum::lights::Light;
 use crate::scene::{Density, Medium, Scene, file};
+use deepshade_shaders::names::with_meant;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,12 +23,12 @@ pub enum GlowError {
         source: std::io::Error,
     },
     /// It is not TOML of the right form.
-    #[error("{} does not say what glows", path.display())]
+    #[error("{} does not say what glows: {what}", path.display())]
     Form {
         /// The file.
         path: PathBuf,
         /// Why, with the line.
-        source: Box<toml::de::Error>,
+        what: String,
     },
     /// A file of materials that it names cannot be used.
     #[error("{}: its materials", path.display())]
@@ -127,7 +128,7 @@ impl Glow {
     pub fn read(path: &Path, moment: f32) -> Result<Self, GlowError> {
         let text = file::text(path).map_err(|source| GlowError::Read { path: path.into(), source })?;
         let written: GlowFile = toml::from_str(&text)
-            .map_err(|source| GlowError::Form { path: path.into(), source: Box::new(source) })?;
+            .map_err(|error| GlowError::Form { path: path.into(), what: with_meant(&error.to_string()) })?;
         let sense = |what| GlowError::Sense { path: path.into(), what };
         let own = match &written.materials {
             Some(name) => {

@@ -120,12 +120,13 @@ fn slot(
     textures: &mut TextureList,
 ) -> Result<Option<TextureSlot>, String> {
     let uv_set = transform.tex_coord.unwrap_or(uv_set) as usize;
-    if uv_set > 1 {
-        return Err(format!("reads texture coordinates {uv_set}; sets 0 and 1 are supported"));
-    }
     let transform = affine(&transform);
     if !transform.is_finite() {
         return Err(format!("{TEXTURE_TRANSFORM} holds a value that is not finite"));
+    }
+    if uv_set > 1 {
+        textures.leave_out(texture, uv_set);
+        return Ok(None);
     }
     let texture = textures.add(file, texture, encoding);
     Ok(texture.map(|texture| TextureSlot { texture, uv_set, transform }))

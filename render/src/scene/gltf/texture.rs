@@ -22,6 +22,8 @@ pub(super) struct TextureList {
     wanted: Vec<Wanted>,
     /// Textures of the file that were asked for and have no image that can be read.
     without_image: BTreeSet<usize>,
+    /// Textures that are placed by coordinates that are not read, with the number of those.
+    placed_otherwise: BTreeSet<(usize, usize)>,
 }
 
 /// One way of reading an image.
@@ -58,6 +60,20 @@ impl TextureList {
             self.wanted.len() - 1
         });
         Some(TextureId(index as u32))
+    }
+
+    /// Leaves out a texture that is placed by other texture coordinates than sets 0 and 1.
+    pub fn leave_out(&mut self, texture: usize, uv_set: usize) {
+        self.placed_otherwise.insert((texture, uv_set));
+    }
+
+    /// What was left out for how it is placed: a sentence a texture.
+    pub fn placed_otherwise(&self) -> impl Iterator<Item = String> {
+        self.placed_otherwise.iter().map(|(texture, set)| {
+            format!(
+                "texture {texture} is placed by texture coordinates {set} and left out: sets 0 and 1 are read"
+            )
+        })
     }
 
     /// What was asked for and is not there: a sentence a texture.

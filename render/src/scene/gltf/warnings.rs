@@ -14,6 +14,7 @@ pub(super) fn warnings(
 ) -> Vec<String> {
     let extensions = unsupported_extensions(file).into_iter();
     let all = extensions.chain(without_positions(file)).chain(textures.without_image(file));
+    let all = all.chain(textures.placed_otherwise());
     all.chain(only_metals(meshes, materials)).map(|what| format!("{}: {what}", file.path.display())).collect()
 }
 

@@ -17,6 +17,7 @@
 use super::array::{Array, Cells};
 use super::{DensityGrid, MediumError, Weather};
 use crate::scene::{Bounds, file};
+use deepshade_shaders::names::with_meant;
 use glam::Vec3;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -93,7 +94,7 @@ impl DensityFile {
         }
         let text = file::text(path).map_err(|source| MediumError::Io { path: path.to_owned(), source })?;
         let Description { array, volume, weather, bounds } =
-            toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
+            toml::from_str(&text).map_err(|error| invalid(with_meant(&error.to_string())))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = |name: &Path| file::beside(folder, Path::new(""), name).map_err(invalid);
         let source = match (array, volume, weather) {

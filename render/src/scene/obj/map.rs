@@ -3,10 +3,13 @@
 use super::files::Files;
 use super::map_options::{Options, Placement, is_option, word};
 use super::statement::readings;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The longest line that is looked through for the name of a file, bytes.
 const LONGEST: usize = 1024;
+
+/// Endings of images that modelling programs write, and that are not read here.
+const UNREAD_ENDINGS: [&str; 10] = ["tif", "tiff", "gif", "webp", "dds", "psd", "exr", "hdr", "ktx2", "avif"];
 
 /// An image that a material reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +28,12 @@ pub(super) struct Map {
 impl Map {
     /// The map of a line, none where there is no such file; and what is odd about it.
     pub fn parse(line: usize, rest: &str, files: &Files) -> (Option<Self>, Vec<String>) {
-        let map = |(path, options): (PathBuf, Options)| {
+        let map = |(path, mut options): (PathBuf, Options)| {
+            if is_unread(&path) {
+                let name = path.display();
+                options.odd.push(format!("`{name}` is no PNG, JPEG, BMP or TGA image; the map is left out"));
+                return (None, options.odd);
+            }
             let (placement, strength) = (options.placement, options.strength);
             (Some(Self { path, placement, strength, is_inverse: false, line }), options.odd)
         };
@@ -52,6 +60,12 @@ impl Map {
         options.odd.insert(0, instead);
         map((path, options))
     }
+}
+
+/// Whether a file is an image of a kind that is not read, by its name.
+fn is_unread(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    UNREAD_ENDINGS.iter().any(|unread| ending.eq_ignore_ascii_case(unread))
 }
 
 /// What follows the options at the beginning of a text.

@@ -60,6 +60,20 @@ fn a_missing_image_is_left_out_and_said() {
 }
 
 #[test]
+fn an_image_of_another_kind_is_left_out_and_said() {
+    for name in ["t.tif", "t.DDS", "-s 2 2 1 t.webp"] {
+        let image = name.rsplit(' ').next().expect("a name");
+        let scene = with_map(name, image);
+        assert!(scene.materials[0].base_colour_texture.is_none(), "{name}");
+        let said = &scene.warnings;
+        assert!(
+            said.len() == 1 && said[0].contains("b.mtl: line 3: `map_Kd`: `") && said[0].contains(image),
+            "{said:?}"
+        );
+    }
+}
+
+#[test]
 fn a_damaged_image_is_refused() {
     let text = format!("mtllib b.mtl\n{SQUARE}usemtl m\n{FACE}");
     let library = b"newmtl m\nmap_Kd t.png\n";
