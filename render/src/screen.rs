@@ -10,12 +10,14 @@ mod gbuffer;
 mod plan;
 mod processor;
 pub mod reprojection;
+pub(crate) mod surface;
 pub mod upsampling;
 
 pub use compiled::{Compiled, Technique};
 pub use gbuffer::GpuGBuffer;
 pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
+pub use surface::Surface;
 
 use crate::bvh::TracedScene;
 

@@ -4,8 +4,8 @@
 
 use super::Surface;
 use crate::path::bsdf::{Fresnel, Ggx};
+use crate::raster::groups;
 use crate::screen::{GpuGBuffer, MethodStep};
-use crate::surfels::groups;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, wgsl};
 use glam::{IVec2, Mat3, Vec2, Vec3};

@@ -3,8 +3,9 @@
 use super::technique::Shaders;
 use super::{BouncedEffect, Parameters};
 use crate::methods::lobe;
+use crate::raster::groups;
 use crate::screen::{Inputs, MethodStep, View};
-use crate::surfels::{self, Lit, Tree, frame, groups, light};
+use crate::surfels::{self, Lit, Tree, frame, light};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE};

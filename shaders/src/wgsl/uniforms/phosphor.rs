@@ -23,7 +23,7 @@ uniforms! {
         padding: u32,
     }
 
-    /// A state of a paint: `render/src/phosphor/paint.rs`.
+    /// A state of a paint: `glow/src/paint.rs`.
     PaintState {
         /// Excitation rate by irradiance of 1 of each colour, re-radiation rate, per second.
         rates: vec4f,
