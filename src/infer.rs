@@ -19,7 +19,7 @@ use deepshade_infer::Model;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::method::{Repeats, Shaded};
 use deepshade_render::metrics::{exposed, exposure};
-use deepshade_shaders::{Planes, gpu::Gpu};
+use deepshade_shaders::gpu::Gpu;
 use read::{Read, Wanted};
 use std::path::{Path, PathBuf};
 
@@ -107,7 +107,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
 
-    let mean = mean(&image);
+    let mean = image.mean();
     let mut figures = Figures::new("infer");
     figures.set("radius", f64::from(radius));
     figures.set("mean", mean);
@@ -119,8 +119,4 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"))
-}
-
-fn mean(image: &Planes) -> f64 {
-    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
 }

@@ -25,8 +25,8 @@ use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Estimate, Footprint, Part, Shot, Truth};
 use deepshade_render::scene::{Camera, Lens, SceneSource};
 use deepshade_render::scotopic::Scotopic;
+use deepshade_shaders::Effect;
 use deepshade_shaders::effect::Setting;
-use deepshade_shaders::{Effect, Planes};
 use picture::Exposure;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -164,7 +164,7 @@ pub fn run(args: &Args) -> Result<()> {
     let noise = estimate.noise_relmse(exposure).unwrap_or(f64::NAN);
     let mut figures = Figures::new("render");
     figures.set("seconds", seconds);
-    figures.set("mean", mean(&estimate.mean));
+    figures.set("mean", estimate.mean.mean());
     figures.set("noise_relmse", noise);
     figures.set("ssim_ceiling", ssim(&exposed(&halves[0], exposure), &exposed(&halves[1], exposure)));
     figures.set("samples", f64::from(estimate.samples));
@@ -182,12 +182,8 @@ pub fn run(args: &Args) -> Result<()> {
         args.effect.unit(),
         estimate.samples
     )?;
-    say!("mean {:.4}, noise {:.2} % of the values", mean(&estimate.mean), 100.0 * noise.sqrt())?;
+    say!("mean {:.4}, noise {:.2} % of the values", estimate.mean.mean(), 100.0 * noise.sqrt())?;
     say!("{}: {tone}", png.display())
-}
-
-fn mean(image: &Planes) -> f64 {
-    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
 }
 
 /// The EXR and the PNG file of a name with either ending; without a name, of the scene's and the effect's.

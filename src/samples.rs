@@ -2,7 +2,7 @@
 
 use crate::arguments::positive;
 use deepshade_render::path::Goal;
-use deepshade_render::path::sampler::MAX_SAMPLES;
+use deepshade_render::sampler::MAX_SAMPLES;
 
 /// Most samples of a pixel by default where an error is asked for.
 const MOST_FOR_AN_ERROR: u32 = 16_384;

@@ -10,28 +10,51 @@ use std::{
 };
 
 /// Who imports whom among the project's own packages; no other edges, not in tests either.
-const EDGES: [(&str, &[&str]); 8] = [
+const EDGES: [(&str, &[&str]); 10] = [
     ("deepshade-shaders", &[]),
-    ("deepshade-render", &["deepshade-shaders"]),
+    ("deepshade-glow", &["deepshade-shaders"]),
+    ("deepshade-render", &["deepshade-glow", "deepshade-shaders"]),
+    ("deepshade-phosphor", &["deepshade-glow", "deepshade-shaders"]),
     ("deepshade-infer", &["deepshade-shaders"]),
     ("deepshade-dataset", &["deepshade-render", "deepshade-shaders"]),
     ("deepshade-train", &["deepshade-dataset", "deepshade-infer", "deepshade-shaders"]),
     (
         "deepshade",
-        &["deepshade-dataset", "deepshade-infer", "deepshade-render", "deepshade-shaders", "deepshade-train"],
+        &[
+            "deepshade-dataset",
+            "deepshade-glow",
+            "deepshade-infer",
+            "deepshade-phosphor",
+            "deepshade-render",
+            "deepshade-shaders",
+            "deepshade-train",
+        ],
     ),
     (
         "deepshade-studies",
         &[
             "deepshade",
             "deepshade-dataset",
+            "deepshade-glow",
             "deepshade-infer",
+            "deepshade-phosphor",
             "deepshade-render",
             "deepshade-shaders",
             "deepshade-train",
         ],
     ),
     ("xtask", &[]),
+];
+
+/// The modules of `render`, the lowest layer first. A module imports its own layer and those below; its tests may import
+/// all.
+const LAYERS: [&[&str]; 6] = [
+    &["exr_file", "metrics", "nearest", "processor", "sampler"],
+    &["scene"],
+    &["bvh", "gbuffer", "intersection", "past", "path", "scotopic"],
+    &["method", "raster", "screen"],
+    &["lpv", "surfels"],
+    &["methods"],
 ];
 
 const MOST_LINES: usize = 500;
@@ -85,6 +108,34 @@ fn packages_import_only_what_lies_below_them() {
         let ours = imports(package, |dependency| names.contains(dependency));
         assert_eq!(ours, allowed.iter().copied().collect(), "what {name} imports");
     }
+}
+
+#[test]
+fn modules_of_render_import_only_their_layer_and_those_below() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("render/src");
+    let layer = |name: &str| LAYERS.iter().position(|modules| modules.contains(&name));
+    let mut imported = 0;
+    for file in source_files(&root) {
+        let path = file.strip_prefix(&root).expect("below it").with_extension("");
+        let names: Vec<_> = path.iter().map(|name| name.to_string_lossy()).collect();
+        if names.iter().any(|name| name == "tests") || names[0] == "lib" {
+            continue;
+        }
+        let own = layer(&names[0]);
+        assert!(own.is_some(), "{} is in no layer", file.display());
+        let text = std::fs::read_to_string(&file).expect("a text");
+        let code = text.lines().take_while(|line| !line.ends_with("mod tests {"));
+        for line in code.filter(|line| !line.trim_start().starts_with("//")) {
+            for (_, after) in line.match_indices("crate::").map(|(at, found)| line.split_at(at + found.len()))
+            {
+                let name: String = after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+                let below = layer(&name).is_some_and(|theirs| Some(theirs) <= own);
+                assert!(below, "{} imports `{name}` from above: {line}", file.display());
+                imported += 1;
+            }
+        }
+    }
+    assert!(imported > 500, "only {imported} imports were found");
 }
 
 #[test]

@@ -57,7 +57,7 @@ mod tests {
         let scene = TracedScene::new(Family::StillLife.scene(1)).expect("a scene");
         let camera = views::sample_view(&scene, [16, 16], 1, 2, 0).expect("a view");
         let shot = Shot::new(&scene, &camera, [16, 16], 0.1);
-        let most = deepshade_render::path::sampler::MAX_SAMPLES;
+        let most = deepshade_render::sampler::MAX_SAMPLES;
         let twice = |work: &mut dyn FnMut()| (0..2).for_each(|_| work());
         // More in one sequence would be too many.
         prepared_and_sampled(Effect::Ao, &shot, (most, 1), |x, y| x == 0 && y == 0, twice);

@@ -5,11 +5,11 @@
 //! its users do.
 
 use deepshade_dataset::{Capture, Recipe};
+use deepshade_glow::file::MaterialFile;
 use deepshade_infer::{Model, Parity};
+use deepshade_phosphor::fit::Measurement;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::exr_file;
-use deepshade_render::phosphor::fit::Measurement;
-use deepshade_render::phosphor::material::file::MaterialFile;
 use deepshade_render::scene::medium::DensityFile;
 use deepshade_render::scene::{Bounds, Environment, Scene, Texture, gltf};
 use deepshade_shaders::Attribute;
@@ -164,7 +164,7 @@ fn capture(folder: &Path) -> bool {
 }
 
 fn curves(folder: &Path) -> bool {
-    Measurement::read(folder).is_ok()
+    Measurement::read(folder, |path| Ok(exr_file::read_colour(path)?.0)).is_ok()
 }
 
 fn materials(folder: &Path) -> bool {

@@ -11,9 +11,9 @@ pub mod moment;
 mod translucent;
 mod wide;
 
-use crate::memory;
-use crate::path::sampler::hash;
-use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError};
+use crate::sampler::hash;
+use crate::scene::memory;
+use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError, SceneSource};
 use bundle::World;
 use glam::{Vec2, Vec3, Vec3A};
 use moment::{Moment, Swept};
@@ -402,6 +402,16 @@ fn ray_hash(ray: &Ray, triangle: TriangleOrigin) -> f32 {
     let words = [ray.direction.x, ray.direction.y, ray.direction.z, ray.origin.x, ray.origin.y, ray.origin.z];
     let mixed = words.iter().fold(triangle.key(), |mixed, word| hash(mixed ^ word.to_bits()));
     (mixed >> 8) as f32 / 16_777_216.0
+}
+
+impl SceneSource {
+    /// [`SceneSource::scene`], ready for rays.
+    ///
+    /// # Errors
+    /// If the file is missing or damaged.
+    pub fn trace(&self, time: f32) -> Result<TracedScene, SceneError> {
+        TracedScene::new(self.scene(time)?)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What a method is: one way to compute an effect from a frame.
 
-use crate::{bvh::TracedScene, scene::Camera};
+use crate::bvh::TracedScene;
+use crate::scene::Camera;
 use deepshade_shaders::{Effect, GBuffer, MissingAttribute, Planes, gpu::GpuError};
 use thiserror::Error;
 

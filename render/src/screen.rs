@@ -11,6 +11,7 @@ mod gbuffer;
 mod plan;
 mod processor;
 pub mod reprojection;
+pub(crate) mod surface;
 mod technique;
 pub mod upsampling;
 
@@ -18,6 +19,7 @@ pub use device::Device;
 pub use gbuffer::GpuGBuffer;
 pub use plan::{MethodStep, Plan, Step, Workgroups};
 pub use reprojection::Reprojection;
+pub use surface::Surface;
 pub use technique::{About, Resources, Technique};
 
 use crate::bvh::TracedScene;

@@ -106,6 +106,11 @@ impl Planes {
         Self { data, ..*self }
     }
 
+    /// The mean of all values.
+    pub fn mean(&self) -> f64 {
+        self.data.iter().map(|value| f64::from(*value)).sum::<f64>() / self.data.len() as f64
+    }
+
     /// Whether another image has the same channels, height and width.
     pub const fn same_shape(&self, other: &Self) -> bool {
         self.channels == other.channels && self.height == other.height && self.width == other.width

@@ -8,7 +8,7 @@ use crate::methods;
 use crate::views::{Choice, View, Viewpoint};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use deepshade_dataset::Radius;
-use deepshade_render::path::sampler::MAX_SAMPLES;
+use deepshade_render::sampler::MAX_SAMPLES;
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::Setting;
 use deepshade_shaders::names::with_meant;

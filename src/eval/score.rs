@@ -201,7 +201,7 @@ fn score_frame(
             ("ssim", similarity),
             ("psnr", psnr(&tiles, &expected)),
             ("relmse", relative_mse(&tiles, &expected)),
-            ("bias", mean(&tiles) - mean(&expected)),
+            ("bias", tiles.mean() - expected.mean()),
         ];
         let whole = whole.as_ref().map(|whole| ("flip", flip(image, whole)));
         for (metric, score) in scores.into_iter().chain(whole) {
@@ -233,11 +233,6 @@ fn kind(source: &Subject) -> String {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
         }
     }
-}
-
-/// Mean of all values.
-fn mean(image: &Planes) -> f64 {
-    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
 }
 
 #[cfg(test)]

@@ -9,9 +9,9 @@ mod task;
 use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result, ensure};
-use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
-use deepshade_render::phosphor::material::Material;
-use deepshade_render::phosphor::material::file::MaterialFile;
+use deepshade_glow::file::MaterialFile;
+use deepshade_glow::material::Material;
+use deepshade_phosphor::design::{Design, Key, Place, thesis_grid};
 use deepshade_render::scene::glow::file::{GlowFile, WrittenSurface};
 use deepshade_shaders::colour::luminance;
 use glam::{DVec3, Vec3};
@@ -23,11 +23,12 @@ use task::Task;
 
 /// Finds materials that make places of a scene look as they should at certain moments.
 ///
-/// A file (TOML) names the scene, says when its lamps shine, and for places on its surfaces which colours they should have when.
-/// Light is that of lamps with shadows; what moves is where it is in each frame. Places on the same material are met together, by
-/// one material; other materials that are like it, in place and colour, may get one like it. The folder --out gets `glow.toml`,
-/// which `render --effect phosphor --phosphor` takes, its `materials.toml`, a plot for each place of what is wanted and what is
-/// reached, and a strip of pictures of the moments that were asked for, labelled by moment and places.
+/// A file (TOML) names the scene, says when its lamps shine, and for places on its surfaces which colours
+/// they should have when. Light is that of lamps with shadows; what moves is where it is in each frame.
+/// Places on the same material are met together, by one material; other materials that are like it, in place
+/// and colour, may get one like it. The folder --out gets `glow.toml`, which `render --effect phosphor
+/// --phosphor` takes, its `materials.toml`, a plot for each place of what is wanted and what is reached, and
+/// a strip of pictures of the moments that were asked for, labelled by moment and places.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {

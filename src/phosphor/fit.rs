@@ -10,15 +10,19 @@ use super::self_test;
 use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result};
-use deepshade_render::phosphor::fit::{Estimate, Fit, Measurement, Part};
-use deepshade_render::phosphor::material::file::MaterialFile;
+use deepshade_glow::file::MaterialFile;
+use deepshade_phosphor::fit::{Estimate, Fit, Measurement, Part};
+use deepshade_render::exr_file;
+use deepshade_shaders::Planes;
 use serde_json::json;
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Fits a material to measurements, or tests such fits on simulated ones.
 ///
-/// A fit that may not mean what it says is warned of, here and in the report: where far more is left than noise, or little of the decay
-/// is explained (R^2) where noise is not stated, or photographs cannot tell a state. A decay that grows is refused.
+/// A fit that may not mean what it says is warned of, here and in the report: where far more is left than
+/// noise, or little of the decay is explained (R^2) where noise is not stated, or photographs cannot tell a
+/// state. A decay that grows is refused.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -37,7 +41,8 @@ pub struct Args {
     /// Draws what is left of the decay that the fit does not explain, over the noise, into this SVG file.
     #[arg(long, conflicts_with = "self_test", value_parser = crate::arguments::svg_file)]
     plot: Option<PathBuf>,
-    /// Writes a page about the fit into this HTML file: parameters, plots, how different photographs and the material look.
+    /// Writes a page about the fit into this HTML file: parameters, plots, how different photographs and the
+    /// material look.
     #[arg(long, conflicts_with = "self_test", value_parser = crate::arguments::html_file)]
     report: Option<PathBuf>,
     /// Measures all known materials in a simulated laboratory, many times, and says how often fits find them.
@@ -92,10 +97,11 @@ last_ratio_nc2_nc1 what two states leave of the error of one, in the median over
 /// Fits, writes and prints.
 ///
 /// # Errors
-/// If measurements cannot be read, make no sense, or are too few for so many states, or a file cannot be written.
+/// If measurements cannot be read, make no sense, or are too few for so many states, or a file cannot be
+/// written.
 pub fn run(args: &Args) -> Result<()> {
     let Some(folder) = &args.folder else { return self_test::run(args.seeds, args.json.as_deref()) };
-    let measurement = Measurement::read(folder).with_context(|| folder.display().to_string())?;
+    let measurement = Measurement::read(folder, read_exr).with_context(|| folder.display().to_string())?;
     let name = args.name.clone().unwrap_or_else(|| folder_name(folder));
     let fit =
         Fit::new(&name, &measurement, args.states.into()).with_context(|| folder.display().to_string())?;
@@ -124,6 +130,11 @@ pub fn run(args: &Args) -> Result<()> {
     }
     say!("{}", table::aligned(&rows::table(&fit)))?;
     say!("{}", how_well(&fit))
+}
+
+/// The picture of an EXR file, `[3, height, width]`.
+pub(super) fn read_exr(path: &Path) -> Result<Planes, Box<dyn Error + Send + Sync>> {
+    Ok(exr_file::read_colour(path)?.0)
 }
 
 /// How well a fit explains what was measured.

@@ -2,8 +2,8 @@
 
 use crate::table;
 use anyhow::{Context, Result};
-use deepshade_render::phosphor::material::Material;
-use deepshade_render::phosphor::material::file::MaterialFile;
+use deepshade_glow::file::MaterialFile;
+use deepshade_glow::material::Material;
 use std::path::{Path, PathBuf};
 
 /// Lists the materials that are known by name, or those of a file.
@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
     after_help = "Examples:\n  deepshade phosphor materials\n  deepshade phosphor materials fitted.toml"
 )]
 pub struct Args {
-    /// A file of materials, as `fit` writes it; by default those that the thesis measured (Tables 8.1 and A.1).
+    /// A file of materials, as `fit` writes it; by default those that the thesis measured (Tables 8.1 and
+    /// A.1).
     file: Option<PathBuf>,
 }
 

@@ -5,9 +5,9 @@ use crate::figures::Figures;
 use crate::table;
 use anyhow::{Context, Result};
 use deepshade_dataset::progress;
-use deepshade_render::phosphor::fit::Laboratory;
-use deepshade_render::phosphor::material::file::MaterialFile;
-use deepshade_render::phosphor::self_test::{
+use deepshade_glow::file::MaterialFile;
+use deepshade_phosphor::fit::Laboratory;
+use deepshade_phosphor::self_test::{
     Coverage, StatesCompared, compare_states, coverage, hyperbolic_materials, two_state_materials,
 };
 use serde_json::{Value, json};

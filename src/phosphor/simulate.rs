@@ -3,15 +3,15 @@
 use super::materials::{named, of};
 use crate::figures::write_atomically;
 use anyhow::{Context, Result};
-use deepshade_render::phosphor::fit::Laboratory;
-use deepshade_render::phosphor::spectrum::curves::Curves;
-use deepshade_render::phosphor::spectrum::lights::Light;
+use deepshade_glow::spectrum::lights::Light;
+use deepshade_phosphor::curves::Curves;
+use deepshade_phosphor::fit::Laboratory;
 use std::path::PathBuf;
 
 /// Simulates the measurement of a known material by the thesis' procedure, with a camera's noise.
 ///
-/// Writes the files that `fit` reads: photographs of the decay, through filters, and after light of one band after the other,
-/// with the curves of camera and filters, and of the lamp where it is no halogen lamp.
+/// Writes the files that `fit` reads: photographs of the decay, through filters, and after light of one band
+/// after the other, with the curves of camera and filters, and of the lamp where it is no halogen lamp.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  deepshade phosphor simulate orange --out measured\n  \
     deepshade phosphor simulate orange --camera camera.csv --out measured")]
@@ -24,7 +24,8 @@ pub struct Args {
     /// The lamp that excites it: halogen, incandescent, mercury, led or daylight.
     #[arg(long, default_value = "halogen", value_parser = lamp)]
     lamp: Light,
-    /// The camera's curves, a table as `fit` reads it: wavelength_nm from 400 to 700, red, green, blue; by default a nominal camera's.
+    /// The camera's curves, a table as `fit` reads it: wavelength_nm from 400 to 700, red, green, blue; by
+    /// default a nominal camera's.
     #[arg(long)]
     camera: Option<PathBuf>,
     /// Folder for the files, which is made.
@@ -63,8 +64,9 @@ fn lamp(name: &str) -> Result<Light, String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fit::read_exr;
     use super::*;
-    use deepshade_render::phosphor::fit::Measurement;
+    use deepshade_phosphor::fit::Measurement;
 
     #[test]
     fn photographs_are_those_of_the_camera_that_is_given() {
@@ -78,7 +80,7 @@ mod tests {
             run(&Args { material, materials: None, lamp, camera, out: out.clone(), seed: 1 })
                 .expect("measured");
             let sensor = Curves::read_sensor(&out.join("camera.csv")).expect("curves");
-            (sensor, Measurement::read(&out).expect("read").decay[0].radiance())
+            (sensor, Measurement::read(&out, read_exr).expect("read").decay[0].radiance())
         };
         let (own, seen) = measured(Some(camera.clone()));
         assert_eq!(own, Curves::read_sensor(&camera).expect("curves"));

@@ -4,6 +4,7 @@
 
 mod contest;
 mod cornell;
+mod glassner;
 mod growth;
 mod pictures;
 mod step;
@@ -15,16 +16,15 @@ use cornell::OFF;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::{Figures, write_atomically};
 use deepshade::shared::table;
-use deepshade_render::phosphor::design::{Design, Key, Place, thesis_grid};
-use deepshade_render::phosphor::glassner::Past;
-use deepshade_render::phosphor::material::file::MaterialFile;
-use deepshade_render::phosphor::material::{Material, State};
-use deepshade_render::phosphor::noise::Noise;
-use deepshade_render::phosphor::rate::Scheme;
-use deepshade_render::phosphor::simulation::{Initial, Simulation};
-use deepshade_render::phosphor::spectrum::Bands;
+use deepshade_glow::file::MaterialFile;
+use deepshade_glow::material::{Material, State};
+use deepshade_glow::spectrum::Bands;
+use deepshade_phosphor::design::{Design, Key, Place, thesis_grid};
+use deepshade_phosphor::noise::Noise;
+use deepshade_phosphor::simulation::Simulation;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::lists::median;
+use glassner::Past;
 use growth::Growth;
 use serde_json::json;
 use std::path::PathBuf;
@@ -228,7 +228,7 @@ fn place(bands: Bands, noise: &mut Noise) -> Result<Place> {
     };
     let hidden = Material { name: "hidden".to_owned(), bands, doubt: None, states: vec![state] };
     let dt = 0.2;
-    let mut run = Simulation::new(&hidden, Scheme::Exact, Initial::Dark)?;
+    let mut run = Simulation::dark(&hidden);
     let mut keys = Vec::new();
     for (frame, light) in irradiance.iter().enumerate() {
         if KEYS.contains(&frame) {
@@ -248,7 +248,7 @@ impl Rivals {
         let light = |frame: usize| vec![if frame % 90 < 30 { 1e-6 } else { 0.0 }; Bands::Eight.count()];
         let light: Vec<Vec<f64>> = (0..frames).map(light).collect();
         let past = Past { irradiance: &light, dt: 1.0 / 60.0 };
-        let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark)?;
+        let mut run = Simulation::dark(material);
         let start = Instant::now();
         for light in &light {
             run.step(light, past.dt)?;

@@ -7,7 +7,7 @@ use crate::DatasetError;
 use crate::identity::Identity;
 use crate::views::dolly::FIELDS_OF_VIEW;
 use deepshade_render::path::estimate::SCRAMBLINGS;
-use deepshade_render::path::sampler::MAX_SAMPLES;
+use deepshade_render::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
 use deepshade_render::scene::procedural::{Family, Split};
 use deepshade_shaders::Effect;

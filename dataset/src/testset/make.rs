@@ -219,12 +219,8 @@ impl Aim {
 /// What is known of the noise of tiles' truth.
 fn ceiling(truth: &Truth, tiles: &[usize], exposure: f32) -> Ceiling {
     let [a, b] = [0, 1].map(|half: usize| exposed(&gather(&truth.halves[half], tiles), exposure));
-    let variance = truth.estimate.variance.iter().map(|variance| mean(&gather(variance, tiles))).sum();
+    let variance = truth.estimate.variance.iter().map(|variance| gather(variance, tiles).mean()).sum();
     Ceiling { ssim: rounded(ssim(&a, &b)), variance: rounded(variance) }
-}
-
-fn mean(image: &Planes) -> f64 {
-    image.data().iter().map(|value| f64::from(*value)).sum::<f64>() / image.data().len() as f64
 }
 
 /// A figure with nine digits: so few survive JSON text to the last bit, which a resumed run's list needs.

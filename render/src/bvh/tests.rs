@@ -100,7 +100,7 @@ fn a_bundle_meets_what_its_rays_meet() {
 #[test]
 fn a_bundle_is_blocked_where_its_rays_are() {
     use crate::path::ao::hemisphere;
-    use crate::path::sampler::{PixelSampler, frame};
+    use crate::sampler::{PixelSampler, frame};
     let traced = clutter();
     let mut share = 0.0;
     for i in 0..300 {

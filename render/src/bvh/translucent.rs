@@ -4,7 +4,7 @@
 //! there or not, as everywhere.
 
 use super::{Hit, TracedScene, TriangleOrigin, ray};
-use crate::path::sampler::hash;
+use crate::sampler::hash;
 use glam::Vec3;
 use std::cell::Cell;
 

@@ -4,8 +4,8 @@
 
 use super::Surface;
 use crate::path::bsdf::{Fresnel, Ggx};
+use crate::raster::groups;
 use crate::screen::{Device, GpuGBuffer, MethodStep};
-use crate::surfels::groups;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};

@@ -38,7 +38,6 @@ pub mod slices;
 pub mod ssdo;
 pub mod ssgi;
 pub mod subsurface;
-mod surface;
 pub mod surfel;
 mod translucent;
 pub mod vectors;
@@ -47,7 +46,7 @@ pub mod volume_shell;
 #[cfg(test)]
 pub(crate) mod proving;
 
-use crate::screen::Written;
+use crate::screen::{Written, surface};
 use deepshade_shaders::Planes;
 use deepshade_shaders::names::did_you_mean;
 

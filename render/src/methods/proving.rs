@@ -8,7 +8,7 @@ use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::methods::picture::every_pixel;
 use crate::methods::{Quality, gtao, ring_gather};
-use crate::path::sampler::{cosine_hemisphere, frame};
+use crate::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
 use crate::screen::{

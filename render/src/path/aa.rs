@@ -3,8 +3,8 @@
 //! Owen-scrambled Sobol sequence from a multiple of 64 on are a (0, 6, 2)-net (Owen 1997).
 
 use super::appearance::appearance;
-use super::sampler::{PixelSampler, Stream};
 use super::{Footprint, Integrator, Shot, mean_of_samples};
+use crate::sampler::{PixelSampler, Stream};
 use glam::{Vec2, Vec3};
 
 /// Direct light all over a pixel, whatever the shot's footprint: radiance.

@@ -3,10 +3,10 @@
 
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
-use super::sampler::{PixelSampler, Stream, cosine_hemisphere, frame};
 use crate::bvh::TracedScene;
 use crate::bvh::bundle::BUNDLE;
 use crate::intersection::SurfacePoint;
+use crate::sampler::{PixelSampler, Stream, cosine_hemisphere, frame};
 use glam::Vec3;
 
 /// Path-traced ambient occlusion: 1 where nothing is seen.

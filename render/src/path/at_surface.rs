@@ -1,9 +1,9 @@
 //! Effects that depend on nothing but the surface that a point of the image shows, so that its samples share it.
 
 use super::appearance::seen;
-use super::sampler::{PixelSampler, Stream};
 use super::{Footprint, Integrator, Shot, mean_of};
 use crate::intersection::SurfacePoint;
+use crate::sampler::{PixelSampler, Stream};
 use glam::{Vec2, Vec3};
 
 /// A surface that the camera sees.

@@ -25,8 +25,8 @@ pub use fresnel::Fresnel;
 pub use ggx::Ggx;
 pub use phong::Phong;
 
-use super::sampler::{Stream, cosine_hemisphere, frame};
 use crate::intersection::SurfacePoint;
+use crate::sampler::{Stream, cosine_hemisphere, frame};
 use crate::scene::{Gloss, Surface};
 use glam::{Mat3, Vec3};
 use phong::mirrored;

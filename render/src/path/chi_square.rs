@@ -5,7 +5,7 @@
 //! correction keeps the probability that any of several right samplers is rejected at 1 %.
 
 use super::proving::Comparison;
-use super::sampler::{PixelSampler, Stream, frame};
+use crate::sampler::{PixelSampler, Stream, frame};
 use glam::Vec3;
 use std::f64::consts::PI;
 
@@ -196,7 +196,7 @@ fn ln_gamma(a: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::sampler::cosine_hemisphere;
+    use crate::sampler::cosine_hemisphere;
     use std::f32::consts::FRAC_1_PI;
 
     #[test]

@@ -5,10 +5,10 @@
 use super::Shot;
 use super::ao::morton;
 use super::at_surface::{SurfaceEffect, Visible};
-use super::sampler::{PixelSampler, Stream, cosine_hemisphere, frame};
 use crate::bvh::TracedScene;
 use crate::bvh::bundle::BUNDLE;
 use crate::intersection::SurfacePoint;
+use crate::sampler::{PixelSampler, Stream, cosine_hemisphere, frame};
 use crate::scene::Environment;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;

@@ -2,8 +2,8 @@
 //! Porter and Carpenter 1984). Without a lens, and with one of radius 0, it is that picture as it is.
 
 use super::appearance::appearance;
-use super::sampler::Stream;
 use super::{Integrator, Shot};
+use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
 /// Direct light through a lens: radiance.

@@ -2,9 +2,9 @@
 //! in from outside, and what the room's own lamp gives is what it gives at the origin.
 
 use super::proving::{traced, with_environment};
-use super::sampler::{PixelSampler, Stream};
 use super::{Integrator, Shot, integrator};
 use crate::bvh::TracedScene;
+use crate::sampler::{PixelSampler, Stream};
 use crate::scene::{Camera, Density, Environment, Light, Material, Medium, Mesh, Scene};
 use deepshade_shaders::Effect;
 use glam::{DQuat, DVec3, Vec2, Vec3};

@@ -2,9 +2,9 @@
 //! seen, the environment. Fog effects are the light of one [`Route`] of it.
 
 use super::route::Route;
-use super::sampler::Stream;
 use super::transport::Transport;
 use super::{Integrator, Part, Shot};
+use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
 /// Path-traced radiance, with any number of bounces.

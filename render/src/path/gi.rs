@@ -12,10 +12,10 @@ use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
 use super::bsdf::Bsdf;
 use super::lights::{Lights, LightsAt};
-use super::sampler::{Stream, cosine_hemisphere, frame};
 use super::transport::power_heuristic;
 use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
+use crate::sampler::{Stream, cosine_hemisphere, frame};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 

@@ -5,7 +5,7 @@
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
 use super::bsdf::Bsdf;
-use super::sampler::Stream;
+use crate::sampler::Stream;
 use crate::scene::{Environment, Gloss};
 use glam::Vec3;
 

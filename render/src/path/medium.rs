@@ -19,9 +19,9 @@ mod uniform;
 pub use phase::HenyeyGreenstein;
 pub(super) use uniform::FreeFlight;
 
-use super::sampler::Stream;
 use crate::bvh::TracedScene;
 use crate::intersection::SurfacePoint;
+use crate::sampler::Stream;
 use crate::scene::{Density, Light, Medium};
 use glam::Vec3;
 use lamps::Lamps;

@@ -31,7 +31,6 @@ pub mod phosphor;
 pub(crate) mod proving;
 pub mod refinement;
 pub mod route;
-pub mod sampler;
 pub mod sss;
 pub mod subsurface;
 pub mod transport;
@@ -58,10 +57,10 @@ pub use subsurface::Subsurface;
 pub use truth::Truth;
 
 use crate::bvh::TracedScene;
+use crate::sampler::{PixelSampler, Stream};
 use crate::scene::Camera;
 use deepshade_shaders::Effect;
 use glam::{DVec3, Vec2, Vec3};
-use sampler::{PixelSampler, Stream};
 
 /// A picture to be taken.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,8 @@
 //! stand still. The picture is a pinhole's.
 
 use super::appearance::appearance;
-use super::sampler::Stream;
 use super::{Integrator, Shot};
+use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
 /// Direct light while objects move: radiance.

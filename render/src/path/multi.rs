@@ -3,8 +3,8 @@
 
 use super::ao::is_open;
 use super::appearance::{reflected, seen, sky};
-use super::sampler::Stream;
 use super::{Integrator, Shot};
+use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
 /// Direct light, occluded within the shot's radius, through a lens: radiance.

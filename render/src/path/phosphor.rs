@@ -3,7 +3,7 @@
 //!
 //! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps light is a layer
 //! without sides. Shadows are those of rays; lamps are switched at their exact moments, and between them each state moves by
-//! its closed form ([`Scheme::Exact`](crate::phosphor::rate::Scheme)), for which steps of any fineness are the same. What moves
+//! its closed form ([`Scheme::Exact`](deepshade_glow::rate::Scheme)), for which steps of any fineness are the same. What moves
 //! was where its poses of the past have it ([`TracedScene::past`](crate::bvh::TracedScene::past)), each for the stretch of time
 //! that it stands for; without any the scene stays as it is at the moment that is shown.
 //! Light that reached a lamp-lit place by a detour, phosphorescent light included, excites nothing and is not shown.
@@ -17,8 +17,8 @@ mod indirect;
 pub use afterglow::{Afterglow, Place};
 pub use indirect::KeptLight;
 
-use super::sampler::{PixelSampler, Stream};
 use super::{Footprint, Integrator, Shot};
+use crate::sampler::{PixelSampler, Stream};
 use glam::{Vec2, Vec3};
 
 /// The integrator.

@@ -7,9 +7,9 @@ mod slope;
 pub use ledger::Comparison;
 pub use slope::{least_squares, prove_slope};
 
-use super::sampler::{PixelSampler, Stream};
 use super::{Integrator, Shot};
 use crate::bvh::TracedScene;
+use crate::sampler::{PixelSampler, Stream};
 use crate::scene::{Environment, Material, Mesh, Scene};
 use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};

@@ -1,8 +1,8 @@
 //! Images that grow: passes that go on with the sequences of the one before.
 
 use super::estimate::{Estimate, Goal, mean_and_variance};
-use super::sampler::{MAX_SAMPLES, PixelSampler};
 use super::{Integrator, Shot, integrator};
+use crate::sampler::{MAX_SAMPLES, PixelSampler};
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -17,9 +17,9 @@
 
 mod tree;
 
-use super::sampler::{PixelSampler, Stream};
 use super::{Integrator, Shot};
 use crate::gbuffer;
+use crate::sampler::{PixelSampler, Stream};
 use deepshade_shaders::{Attribute, Planes, shows_surface};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;

@@ -17,10 +17,10 @@
 
 use super::direct::direct_light;
 use super::medium::FreeFlight;
-use super::sampler::{Stream, cosine_hemisphere, frame};
 use super::{Integrator, Shot};
 use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
+use crate::sampler::{Stream, cosine_hemisphere, frame};
 use glam::{BVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 

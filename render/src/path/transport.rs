@@ -10,10 +10,10 @@ use super::lights::{LightSample, Lights, LightsAt};
 use super::medium::{Flight, Media, Segment};
 use super::phosphor::Afterglow;
 use super::route::{Route, Vertices};
-use super::sampler::Stream;
 use super::vertex::Vertex;
 use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
+use crate::sampler::Stream;
 use glam::Vec3;
 
 /// Vertices of a path that are never cut short.

@@ -2,8 +2,8 @@
 
 use super::bsdf::{Bsdf, BsdfSample};
 use super::medium::{HenyeyGreenstein, Media};
-use super::sampler::Stream;
 use crate::intersection::SurfacePoint;
+use crate::sampler::Stream;
 use glam::Vec3;
 
 /// A point where a path from the eye turns.

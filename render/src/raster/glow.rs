@@ -3,11 +3,11 @@
 
 use super::light::shadow_sampler;
 use super::world::World;
-use crate::phosphor::paint::PaintState as State;
+use crate::raster::groups;
 use crate::scene::Scene;
 use crate::scene::glow::{Glow, Piece};
 use crate::screen::{Device, MethodStep, Step};
-use crate::surfels::groups;
+use deepshade_glow::paint::PaintState as State;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;

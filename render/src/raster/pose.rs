@@ -1,18 +1,13 @@
-//! Moves the vertices that are animated, on the GPU: morph targets and joints, at the frame's moment and at both ends of
-//! the time for which the shutter is open.
+//! Moves the vertices that are animated, on the GPU: morph targets and joints, at the frame's moment and at
+//! both ends of the time for which the shutter is open.
 
 use super::geometry::{Geometry, POSED};
+use super::groups;
 use crate::scene::AnimatedScene;
 use crate::scene::gltf::{Rig, RigPart};
 use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 use glam::{Mat4, Vec3};
-
-/// Most workgroups along an axis that every device has.
-const MOST_GROUPS: u32 = 65_535;
-
-/// Invocations of a workgroup of `frame/pose.wgsl`.
-const WORKGROUP: u32 = 64;
 
 /// The pass that poses, with what it reads.
 #[derive(Debug)]
@@ -51,8 +46,7 @@ impl Posing {
             all.add(part);
         }
         let device = &gpu.device;
-        let groups = geometry.moving.div_ceil(WORKGROUP);
-        let workgroups = [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1];
+        let workgroups = groups(geometry.moving as usize);
         let settings = uniforms::Pose {
             vertices: geometry.moving,
             groups: workgroups[0],

@@ -1,6 +1,6 @@
 //! A camera: a pinhole, or a thin lens.
 
-use crate::path::sampler::concentric_disk;
+use crate::sampler::concentric_disk;
 use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

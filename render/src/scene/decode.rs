@@ -2,7 +2,7 @@
 //! a header promises is looked at first, of all images of a scene together: a file of some kilobytes may
 //! stand for a gigabyte of one colour.
 
-use crate::memory;
+use crate::scene::memory;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 use std::borrow::Cow;

@@ -1,7 +1,7 @@
 //! Reading scenes and what they refer to: where it may be, and its bytes with a size limit.
 
 use super::SceneError;
-use crate::memory;
+use crate::scene::memory;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};

@@ -3,8 +3,8 @@
 pub mod file;
 
 use super::{Material, Scene};
-use crate::phosphor::material::file::MaterialFile;
-use crate::phosphor::paint::Paint;
+use deepshade_glow::file::MaterialFile;
+use deepshade_glow::paint::Paint;
 use glam::Vec3;
 use std::sync::LazyLock;
 
@@ -215,7 +215,7 @@ impl Glow {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::phosphor::paint::PaintState;
+    use deepshade_glow::paint::PaintState;
 
     /// White paint that red light excites and that decays at these rates.
     pub fn paint(decays: &[f32]) -> Paint {

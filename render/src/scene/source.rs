@@ -1,7 +1,6 @@
 //! Where a scene comes from: a file, or a seed of a procedural family.
 
 use super::{Scene, SceneError, procedural::Family};
-use crate::bvh::TracedScene;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -29,14 +28,6 @@ impl SceneSource {
             Self::File(path) => Scene::load(path, time),
             Self::Procedural(family, seed) => Ok(family.scene(*seed)),
         }
-    }
-
-    /// [`SceneSource::scene`], ready for rays.
-    ///
-    /// # Errors
-    /// If the file is missing or damaged.
-    pub fn trace(&self, time: f32) -> Result<TracedScene, SceneError> {
-        TracedScene::new(self.scene(time)?)
     }
 }
 

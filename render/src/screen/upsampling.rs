@@ -1,8 +1,8 @@
 //! Images of fewer pixels brought to full size, for what is too dear for every pixel (Kopf et al. 2007, "Joint Bilateral
 //! Upsampling"): each pixel takes the mean of the four around it in the smaller image, of those that show the same surface.
 
+use super::Surface;
 use super::{GpuGBuffer, MethodStep};
-use crate::methods::Surface;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, Planes};

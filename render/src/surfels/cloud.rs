@@ -1,8 +1,9 @@
 //! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over
 //! them.
 
-use super::{HEIGHT, LEAF, Lit, MOST, Patch, Surfel, groups, vertices};
-use crate::raster::World;
+use super::{HEIGHT, LEAF, Lit, MOST, Surfel, vertices};
+use crate::raster::patches::Patch;
+use crate::raster::{World, groups};
 use crate::screen::{Device, MethodStep, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};

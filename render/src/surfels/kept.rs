@@ -6,12 +6,12 @@
 //! brought to W/m²/sr at its end.
 
 use super::cloud::{Cloud, SURFEL_GROUPS};
-use super::groups;
-use crate::phosphor::paint::MOST_STATES;
 use crate::raster::World;
 use crate::raster::glow::Keeping;
+use crate::raster::groups;
 use crate::scene::Glow;
 use crate::screen::{Device, MethodStep, Workgroups};
+use deepshade_glow::paint::MOST_STATES;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 

@@ -1,31 +1,29 @@
-//! Deep screen space: a scene as disks that all look equally large to the camera, whether it sees them or not.
+//! Deep screen space: a scene as disks that all look equally large to the camera, whether it sees them or
+//! not.
 //!
-//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what pixels are
-//! to an image: near ones are small and far ones large, but those behind others, behind the camera and seen from their
-//! edge are there too, so that shading by them misses nothing.
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what
+//! pixels are to an image: near ones are small and far ones large, but those behind others, behind the camera
+//! and seen from their edge are there too, so that shading by them misses nothing.
 //!
-//! - [`patches`] cuts a scene's surface into parts, once; [`closed`] tells bodies from sheets.
+//! - [`patches`](crate::raster::patches) are the parts of a scene's surface, cut once.
 //! - [`vertices`] moves a scene's vertices to camera space.
 //! - [`cloud`] lays [surfels](Surfel) out on them, each frame, on the GPU, and puts a tree over them; [`light`] lights
 //!   them, or lets them give back light that they kept.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
-//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels neither
-//! jump nor pop up when the camera moves, as each stays where it is and grows, in all frames at the same place.
+//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels
+//! neither jump nor pop up when the camera moves, as each stays where it is and grows, in all frames at the
+//! same place.
 //!
-//! Limits. Where more than [`MOST`] are wanted, which of them stand for all changes with their number. Surfels have the
-//! normals of their triangles, not those that smooth meshes are shaded with. Lamps light them; emissive triangles and the
-//! environment do not.
+//! Limits. Where more than [`MOST`] are wanted, which of them stand for all changes with their number.
+//! Surfels have the normals of their triangles, not those that smooth meshes are shaded with. Lamps light
+//! them; emissive triangles and the environment do not.
 
-pub mod closed;
 pub mod cloud;
-mod emission;
 pub mod frame;
 mod kept;
 pub mod light;
-pub mod patch;
-pub mod patches;
 pub mod reference;
 mod surfel;
 #[cfg(test)]
@@ -33,9 +31,7 @@ mod tests;
 pub mod vertices;
 
 pub use cloud::{Cloud, Tree};
-pub use emission::Emission;
 pub use light::Lit;
-pub use patch::Patch;
 pub use surfel::Surfel;
 
 use crate::screen::View;
@@ -47,17 +43,6 @@ pub const LEAF: usize = 16;
 pub const HEIGHT: u32 = 8;
 /// Most surfels of a frame. Where more are wanted each stands for more area.
 pub const MOST: usize = LEAF << (2 * HEIGHT);
-
-/// Invocations of a workgroup of passes over vertices, patches and surfels.
-const WORKGROUP: u32 = 64;
-/// Most workgroups along an axis that every device has.
-const MOST_GROUPS: u32 = 65_535;
-
-/// Workgroups of so many invocations at least, in two dimensions where one is not enough.
-pub(crate) fn groups(invocations: usize) -> [u32; 3] {
-    let groups = (invocations as u32).div_ceil(WORKGROUP);
-    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
-}
 
 /// How finely a scene is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]

@@ -1,9 +1,10 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::{Lit, MOST, Parameters, Patch, Surfel, patches};
+use super::{Lit, MOST, Parameters, Surfel};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
+use crate::raster::patches::{self, Patch};
 use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
 use deepshade_shaders::random::random;

@@ -1,10 +1,10 @@
 //! Surfels stand for the surface: their areas, sizes and places, and the passes against the plain version.
 
-use super::patches::{area_of, of_scene};
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Patch, Surfel, Tree, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Surfel, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
+use crate::raster::patches::{Patch, area_of, of_scene};
 use crate::raster::view::perspective;
 use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};

@@ -1,8 +1,8 @@
 //! A scene's vertices in camera space on the GPU, 12 bytes each where those that are drawn have 64: what all passes
 //! over a scene's surface read, and bind as a whole where those that are drawn are too many for a binding.
 
-use super::groups;
 use crate::raster::geometry::POSED;
+use crate::raster::groups;
 use crate::screen::{Device, MethodStep, Step, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;

@@ -2,6 +2,7 @@
 //! equation at its texels in the file at each moment.
 
 use crate::build::{Builder, write};
+use deepshade_glow::paint::{Lit, MOST_STATES, Paint, PaintState};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{self, Method};
@@ -10,7 +11,6 @@ use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_aro
 use deepshade_render::past;
 use deepshade_render::path::phosphor::{Afterglow, Place};
 use deepshade_render::path::{self, Sampling, Shot};
-use deepshade_render::phosphor::paint::{Lit, MOST_STATES, Paint, PaintState};
 use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
 use deepshade_render::scene::glow::{Glow, Schedule, Start};
 use deepshade_render::scene::{AnimatedScene, Camera, Light, Scene, SceneSource};

@@ -5,7 +5,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::bvh::bundle::BUNDLE;
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::path::ao::hemisphere;
-use deepshade_render::path::sampler::PixelSampler;
+use deepshade_render::sampler::PixelSampler;
 use deepshade_render::scene::Camera;
 use glam::{Vec2, Vec3};
 

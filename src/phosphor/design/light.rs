@@ -1,5 +1,5 @@
-//! Places on a scene's surfaces, and the light that they get from frame to frame: that of lamps, with shadows, wherever things
-//! are in that frame.
+//! Places on a scene's surfaces, and the light that they get from frame to frame: that of lamps, with
+//! shadows, wherever things are in that frame.
 
 use super::task::Task;
 use anyhow::{Context, Result, ensure};
@@ -39,7 +39,8 @@ impl Spot {
     }
 }
 
-/// What a task's places are on: the scene over time, with lamps switched as the task says. Its file is read once.
+/// What a task's places are on: the scene over time, with lamps switched as the task says. Its file is read
+/// once.
 pub struct Stage {
     pub animated: AnimatedScene,
     schedules: Vec<Schedule>,
@@ -100,9 +101,9 @@ pub fn spot(scene: &TracedScene, at: Vec3) -> Result<Spot> {
     Ok(spot)
 }
 
-/// What light does at places in each frame, linear RGB, `[places][frames]`: irradiance that excites, the mean from that frame to the
-/// next, and radiance of lamps' light that the side which `eye` sees reflects, of the lamps that are on in the frame itself. Of both, what
-/// moves is where it is halfway to the next frame.
+/// What light does at places in each frame, linear RGB, `[places][frames]`: irradiance that excites, the mean
+/// from that frame to the next, and radiance of lamps' light that the side which `eye` sees reflects, of the
+/// lamps that are on in the frame itself. Of both, what moves is where it is halfway to the next frame.
 ///
 /// # Errors
 /// If a vertex is nowhere in a frame.

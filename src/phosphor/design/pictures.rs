@@ -4,10 +4,9 @@ use super::{Designed, colour, task::Task};
 use crate::figures::write_atomically;
 use crate::plot::{CHANNELS, Line, Plot, Style};
 use anyhow::Result;
-use deepshade_render::phosphor::design::Place;
-use deepshade_render::phosphor::material::Material;
-use deepshade_render::phosphor::rate::Scheme;
-use deepshade_render::phosphor::simulation::{Initial, Simulation};
+use deepshade_glow::material::Material;
+use deepshade_phosphor::design::Place;
+use deepshade_phosphor::simulation::Simulation;
 use std::path::Path;
 
 /// Draws a plot for each place, counted from 1 as the task has them.
@@ -55,7 +54,7 @@ fn plot(task: &Task, place: &Place, material: &Material) -> Result<Plot> {
 
 /// What a place looks like in each frame.
 fn seen(place: &Place, material: &Material) -> Result<Vec<Vec<f64>>> {
-    let mut run = Simulation::new(material, Scheme::Exact, Initial::Dark)?;
+    let mut run = Simulation::dark(material);
     let frame = |(frame, light): (usize, &Vec<f64>)| {
         let mut seen = run.emission();
         let reflected = place.reflected.get(frame).into_iter().flatten();

@@ -1,16 +1,18 @@
-//! From materials that were designed to others of the scene that are like them (thesis, section 8.6: edits propagate).
+//! From materials that were designed to others of the scene that are like them (thesis, section 8.6: edits
+//! propagate).
 
 use super::Designed;
 use anyhow::Result;
-use deepshade_render::phosphor::design::{Edit, Feature, Reach};
-use deepshade_render::phosphor::material::Material;
+use deepshade_glow::material::Material;
+use deepshade_phosphor::design::{Edit, Feature, Reach};
 use deepshade_render::scene::{Bounds, Scene};
 use glam::Vec3;
 
 /// Materials less alike than this to all that were designed keep no light.
 const ALIKE: f64 = 0.367_879_441; // 1/e
 
-/// The paints of a scene's materials, by what files call them: those that were designed, and of materials like them.
+/// The paints of a scene's materials, by what files call them: those that were designed, and of materials
+/// like them.
 ///
 /// # Errors
 /// If designs have no mean, which those of one task have.

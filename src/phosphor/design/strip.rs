@@ -25,11 +25,12 @@ const GAP: usize = 3;
 const BACKGROUND: Rgb<u8> = Rgb([32; 3]);
 const INK: Rgb<u8> = Rgb([255; 3]);
 
-/// Writes pictures of the moments at which something is wanted beside the file that says what glows: what surfaces give back, with
-/// the moment and the places where it is wanted below each.
+/// Writes pictures of the moments at which something is wanted beside the file that says what glows: what
+/// surfaces give back, with the moment and the places where it is wanted below each.
 ///
 /// # Errors
-/// If the file that says what glows cannot be read or does not fit the scene, or a vertex is nowhere at a moment.
+/// If the file that says what glows cannot be read or does not fit the scene, or a vertex is nowhere at a
+/// moment.
 pub fn write(
     task: &Task,
     (stage, camera): (&Stage, &Camera),

@@ -2,9 +2,9 @@
 
 use crate::views::Viewpoint;
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use deepshade_render::phosphor::design::{MAX_STATES, Reach};
-use deepshade_render::phosphor::spectrum::Bands;
-use deepshade_render::phosphor::spectrum::lights::Light;
+use deepshade_glow::spectrum::Bands;
+use deepshade_glow::spectrum::lights::Light;
+use deepshade_phosphor::design::{MAX_STATES, Reach};
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::glow::Schedule;
 use deepshade_render::scene::glow::file::{LampTimes, schedules};

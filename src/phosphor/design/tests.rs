@@ -1,9 +1,9 @@
 use super::*;
+use deepshade_glow::material::State;
+use deepshade_glow::paint::Paint;
+use deepshade_glow::spectrum::Bands;
+use deepshade_glow::spectrum::lights::Light;
 use deepshade_render::path::phosphor::Afterglow;
-use deepshade_render::phosphor::material::State;
-use deepshade_render::phosphor::paint::Paint;
-use deepshade_render::phosphor::spectrum::Bands;
-use deepshade_render::phosphor::spectrum::lights::Light;
 use deepshade_render::scene::Look;
 use deepshade_render::scene::glow::Glow;
 use std::path::Path;
@@ -149,7 +149,8 @@ fn of_materials_of_one_name_the_one_of_the_place_is_designed() {
     assert_eq!(glow.paints_of(scene.scene())[..2], [None, Some(0)]);
 }
 
-/// A square on the floor, seen from above, under a lamp that goes round it within 4 seconds: from above to below and back.
+/// A square on the floor, seen from above, under a lamp that goes round it within 4 seconds: from above to
+/// below and back.
 const AROUND: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights_punctual"],
     "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5}]}},
     "scenes":[{"nodes":[0,1]}],
@@ -165,8 +166,8 @@ const AROUND: &str = r#"{"asset":{"version":"2.0"},"extensionsUsed":["KHR_lights
         {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[2]},
         {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}]}"#;
 
-/// The lamp is above the paper for two seconds, and as far below it for two: both excite alike, and who looks from above sees what
-/// is reflected above alone. The file is read once.
+/// The lamp is above the paper for two seconds, and as far below it for two: both excite alike, and who looks
+/// from above sees what is reflected above alone. The file is read once.
 #[test]
 fn reflected_light_is_that_of_the_side_that_is_seen() {
     let folder = tempfile::tempdir().expect("a folder");

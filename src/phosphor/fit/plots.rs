@@ -1,8 +1,8 @@
 //! What was measured beside what a fit explains of it, as plots.
 
 use crate::plot::{CHANNELS, Line, Plot, Style};
-use deepshade_render::phosphor::fit::{Explained, Fit, Part};
-use deepshade_render::phosphor::spectrum::{Axis, Bands};
+use deepshade_glow::spectrum::{Axis, Bands};
+use deepshade_phosphor::fit::{Explained, Fit, Part};
 
 /// Colours of eight bands of light, from violet to red, no two alike.
 const SPECTRUM: [[u8; 3]; 8] = [
@@ -38,8 +38,9 @@ pub fn explained(fit: &Fit) -> Plot {
     Plot { x: "time in the dark, s", is_logarithmic: false, y: "radiance", lines, level: None }
 }
 
-/// What is left of a part of the measurements, over its noise; without lines where there is none of it. Of the decay and of
-/// photographs through filters each channel is shown, of excitation for each band the channel of which most is left.
+/// What is left of a part of the measurements, over its noise; without lines where there is none of it. Of
+/// the decay and of photographs through filters each channel is shown, of excitation for each band the
+/// channel of which most is left.
 pub fn residuals(fit: &Fit, part: Part) -> Plot {
     let each = "measured less fitted, standard errors";
     let (x, y, lines) = match part {
@@ -113,8 +114,8 @@ fn light_of(bands: Bands, band: usize) -> (String, [u8; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::phosphor::fit::Laboratory;
-    use deepshade_render::phosphor::material::file::MaterialFile;
+    use deepshade_glow::file::MaterialFile;
+    use deepshade_phosphor::fit::Laboratory;
 
     fn fit() -> Fit {
         let presets = MaterialFile::presets();

@@ -1,12 +1,12 @@
-//! A fit as a page that needs nothing else: parameters with their intervals, what was measured beside what the material explains of it,
-//! what is left, and how different both look.
+//! A fit as a page that needs nothing else: parameters with their intervals, what was measured beside what
+//! the material explains of it, what is left, and how different both look.
 
 use super::plots::{explained, photographs, residuals};
 use super::{how_well, rows};
 use anyhow::Result;
 use askama::Template;
-use deepshade_render::phosphor::difference::ciede2000;
-use deepshade_render::phosphor::fit::{Explained, Fit, Part, Warning};
+use deepshade_phosphor::difference::ciede2000;
+use deepshade_phosphor::fit::{Explained, Fit, Part, Warning};
 
 /// The page as HTML.
 ///
@@ -51,8 +51,8 @@ struct Page<'a> {
     plots: Vec<String>,
 }
 
-/// CIEDE2000 between photograph and fit at the first, the middle and the last photograph of the decay, and in the mean, the brightest
-/// colour of all being 1.
+/// CIEDE2000 between photograph and fit at the first, the middle and the last photograph of the decay, and in
+/// the mean, the brightest colour of all being 1.
 fn differences(fit: &Fit) -> Vec<[String; 2]> {
     let photographs: Vec<&[Explained]> = photographs(fit, Part::Decay).collect();
     let brightest = photographs.iter().copied().flatten().map(|value| value.measured).fold(0.0, f64::max);
@@ -74,8 +74,8 @@ fn differences(fit: &Fit) -> Vec<[String; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::phosphor::fit::Laboratory;
-    use deepshade_render::phosphor::material::file::MaterialFile;
+    use deepshade_glow::file::MaterialFile;
+    use deepshade_phosphor::fit::Laboratory;
 
     #[test]
     fn a_page_says_what_was_found_and_how_it_looks() {

@@ -1,6 +1,6 @@
 //! The parameters of a fit as a table.
 
-use deepshade_render::phosphor::fit::{Estimate, Fit, Parameter, listed_bands};
+use deepshade_phosphor::fit::{Estimate, Fit, Parameter, listed_bands};
 use std::f64::consts::LN_2;
 
 /// How many digits of a number count.
@@ -72,9 +72,9 @@ fn interval(estimate: &Estimate, of: fn([f64; 2]) -> [f64; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::phosphor::fit::Laboratory;
-    use deepshade_render::phosphor::material::file::MaterialFile;
-    use deepshade_render::phosphor::spectrum::lights::Light;
+    use deepshade_glow::file::MaterialFile;
+    use deepshade_glow::spectrum::lights::Light;
+    use deepshade_phosphor::fit::Laboratory;
 
     #[test]
     fn digits_that_count_are_shown() {

@@ -1,6 +1,6 @@
 //! Which effects are compared in which scenes.
 
-use deepshade_render::path::sampler::hash;
+use deepshade_render::sampler::hash;
 use deepshade_shaders::Effect;
 
 /// An effect in a scene.

@@ -18,7 +18,7 @@ const DIFFERENCE_RANGE: f32 = 0.1;
 /// # Errors
 /// If a file cannot be written.
 pub fn write(folder: &Path, ours: &Estimate, theirs: &Estimate) -> Result<()> {
-    let exposure = 1.0 / mean(&theirs.mean).max(f32::MIN_POSITIVE) * 0.3;
+    let exposure = 1.0 / (theirs.mean.mean() as f32).max(f32::MIN_POSITIVE) * 0.3;
     let exposed = |image: &Planes| {
         Planes::from_fn(image.channels(), image.height(), image.width(), |c, y, x| {
             image.at(c, y, x) * exposure
@@ -48,8 +48,4 @@ pub fn write(folder: &Path, ours: &Estimate, theirs: &Estimate) -> Result<()> {
     });
     write_png(&folder.join("difference.png"), &sizes)?;
     write_png(&folder.join("deviates.png"), &deviates)
-}
-
-fn mean(image: &Planes) -> f32 {
-    image.data().iter().sum::<f32>() / image.data().len() as f32
 }

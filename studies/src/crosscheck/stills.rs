@@ -41,7 +41,7 @@ pub fn render_stills(setting: &Setting, size: [usize; 2], sampling: Sampling) ->
 
 /// A number in [0, 1) for each seed.
 fn fraction(seed: u32) -> f32 {
-    deepshade_render::path::sampler::hash(seed) as f32 / 2f32.powi(32)
+    deepshade_render::sampler::hash(seed) as f32 / 2f32.powi(32)
 }
 
 /// The scene at a moment of the exposure, from -0.5 to 0.5, with nothing in motion.

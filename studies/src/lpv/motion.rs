@@ -22,11 +22,6 @@ pub struct Flicker(Vec<(Moving, f64)>);
 /// Light behind a wall over that before it.
 pub struct Leaks(Vec<(&'static str, f64)>);
 
-fn mean(image: &Planes) -> f64 {
-    let sum: f64 = image.data().iter().map(|value| f64::from(*value)).sum();
-    sum / image.data().len() as f64
-}
-
 /// The mean, over pixels and over all images but the first and last, of how far an image is from the mean of
 /// that before and that after, over the mean of all: 0 where everything changes steadily.
 fn flicker(images: &[Planes]) -> f64 {
@@ -82,7 +77,7 @@ impl Leaks {
             let method = ScreenMethod::new(gpu, Parameters { scheme, ..Parameters::of(Quality::Medium) });
             let (scene, cameras) = room::divided();
             let brightness =
-                |camera| Ok::<_, anyhow::Error>(mean(&room::image(&method, scene.clone(), camera, SIZE)?));
+                |camera| Ok::<_, anyhow::Error>(room::image(&method, scene.clone(), camera, SIZE)?.mean());
             let [before, behind] = cameras.each_ref().map(brightness);
             Ok((name, behind? / before?))
         };

@@ -1,8 +1,8 @@
 //! A room like the Cornell box whose red and blue walls keep light, as in the thesis' Figure 8.15.
 
 use anyhow::{Context, Result};
-use deepshade_render::phosphor::material::file::MaterialFile;
-use deepshade_render::phosphor::paint::Paint;
+use deepshade_glow::file::MaterialFile;
+use deepshade_glow::paint::Paint;
 use deepshade_render::scene::glow::{Glow, Schedule, Start};
 use deepshade_render::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
 use glam::{Mat3, Vec3};

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::bvh::binary_hierarchy;
-use crate::path::sampler::hash;
+use crate::sampler::hash;
 use glam::{DVec3, Vec3A};
 use obvhs::triangle::Triangle;
 use std::cell::RefCell;

@@ -3,9 +3,11 @@
 //! They lie along a curve through space, as surfels do, and the tree is of the same form.
 
 use crate::raster::World;
+use crate::raster::groups;
+use crate::raster::patches::{self, Patch};
 use crate::scene::Scene;
 use crate::screen::{Device, MethodStep};
-use crate::surfels::{LEAF, Patch, groups, patches, vertices};
+use crate::surfels::{LEAF, vertices};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 

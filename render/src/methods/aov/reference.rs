@@ -43,7 +43,7 @@ impl Facet {
 /// The facets of a scene, as a camera sees them.
 pub fn facets(scene: &Scene, camera: &Camera) -> Vec<Facet> {
     let vertices = vertices(scene.meshes.iter(), camera);
-    let facet = |patch: crate::surfels::Patch| {
+    let facet = |patch: crate::raster::patches::Patch| {
         let [a, b, c] = patch.corners.map(|corner| vertices[corner as usize]);
         let corners = patch.weights().map(|weights| a * weights.x + b * weights.y + c * weights.z);
         Facet { corners, coverage: patch.coverage(), open: patch.is_open() }

@@ -3,8 +3,9 @@
 use super::Parameters;
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe;
+use crate::raster::groups;
 use crate::screen::{MethodStep, Resources, View};
-use crate::surfels::{Tree, frame, groups, light};
+use crate::surfels::{Tree, frame, light};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;

@@ -12,9 +12,9 @@ use crate::lpv::scheme::Lookup;
 use crate::methods::phosphor::cells::PlainCells;
 use crate::path::phosphor::Afterglow;
 use crate::raster::geometry::draws_of;
+use crate::raster::patches::{self, Emission, Patch};
 use crate::screen::View;
 use crate::surfels::reference::{self as surfels, Disk};
-use crate::surfels::{Emission, Patch, patches};
 use glam::{IVec3, Mat3, Vec3, Vec4Swizzles};
 use std::f32::consts::PI;
 

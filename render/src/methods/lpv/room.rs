@@ -7,11 +7,10 @@ use crate::lpv::moments::SECONDS;
 use crate::lpv::propagation::Kinds;
 use crate::lpv::{LightGrid, Scheme, flight};
 use crate::methods::single_scattering;
-use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::raster::medium::MediumOnGpu;
+use crate::raster::{World, groups};
 use crate::screen::{Device, MethodStep, Step, Workgroups};
-use crate::surfels;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 
@@ -86,7 +85,7 @@ impl Room {
             states: [state()?, state()?],
             source: source(device, kinds, cells)?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * planes * cells)?,
-            groups: surfels::groups(cells).into(),
+            groups: groups(cells).into(),
             kinds,
             scheme,
             is_similar: kinds.scattered,
@@ -120,7 +119,7 @@ impl Room {
     /// Workgroups of a pass over all words of sums.
     pub fn words(&self) -> Workgroups {
         let bytes = self.sums.size().max(self.cubes.size()) as usize;
-        surfels::groups(bytes / size_of::<u32>()).into()
+        groups(bytes / size_of::<u32>()).into()
     }
 
     /// Which kinds of light there are, as the passes have it.

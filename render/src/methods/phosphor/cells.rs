@@ -4,11 +4,11 @@
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
 use crate::path::phosphor::in_medium::seen_through;
-use crate::phosphor::paint::{MOST_STATES, Paint};
 use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::scene::{Bounds, Density, Glow, Medium, Scene};
 use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
+use deepshade_glow::paint::{MOST_STATES, Paint};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::uniforms::GlowCells;

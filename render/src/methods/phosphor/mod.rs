@@ -3,7 +3,7 @@
 //! Every triangle that keeps light has a lattice of texels of its own ([`tile`]), so that a mesh needs no texture coordinates,
 //! and texels keep their place however it moves or bends. Each frame one pass moves their states on by the time that went by,
 //! under the lamps' shadow maps as they are now, exactly for light that stays the same, or by Euler's scheme as in the thesis
-//! ([`rate`](crate::phosphor::rate)). A
+//! ([`rate`](deepshade_glow::rate)). A
 //! pixel finds its triangle by where its surface is, in a tree of boxes that is fitted to the triangles of each frame: a
 //! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it shows is linear
 //! between texels.

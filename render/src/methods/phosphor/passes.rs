@@ -3,9 +3,9 @@
 use super::tile::Tiles;
 use crate::raster::World;
 use crate::raster::glow::Keeping;
+use crate::raster::groups;
 use crate::raster::light::shadow_sampler;
 use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
-use crate::surfels::groups;
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::uniforms::{GlowLevel, GlowStretch};

@@ -3,8 +3,8 @@
 
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::Draw;
+use crate::raster::patches::morton;
 use crate::scene::{AnimatedScene, Glow, Scene};
-use crate::surfels::patches::morton;
 use deepshade_shaders::wgsl::uniforms::GlowTile;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;

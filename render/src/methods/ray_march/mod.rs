@@ -15,7 +15,7 @@ mod general;
 
 use super::Quality;
 use super::shafts::{Haze, Integration, Lit, Place};
-use crate::path::sampler::hash;
+use crate::sampler::hash;
 use distant::Distant;
 use general::General;
 use glam::Vec3;

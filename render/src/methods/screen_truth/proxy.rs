@@ -4,7 +4,7 @@
 use super::layers::{Eye, Screen, Shown};
 use super::links::{Links, Node};
 use crate::bvh::TracedScene;
-use crate::path::sampler::frame;
+use crate::sampler::frame;
 use crate::scene::{Material, Mesh, Scene, SceneError};
 use glam::Vec3;
 use rayon::prelude::*;

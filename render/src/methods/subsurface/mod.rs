@@ -17,8 +17,8 @@ mod tests;
 
 use super::surface::vector;
 use super::surfel::scattering::shape;
+use crate::raster::groups;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
-use crate::surfels::groups;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};

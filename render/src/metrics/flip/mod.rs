@@ -35,8 +35,7 @@ const FEATURE_EXPONENT: f32 = 0.5;
 /// # Panics
 /// If the images differ in shape or have neither one nor three channels.
 pub fn flip(a: &Planes, b: &Planes) -> f64 {
-    let map = flip_map(a, b);
-    map.data().iter().map(|value| f64::from(*value)).sum::<f64>() / map.data().len() as f64
+    flip_map(a, b).mean()
 }
 
 /// FLIP of every pixel, `[1, height, width]`, at [`PIXELS_PER_DEGREE`].

@@ -3,7 +3,7 @@
 //!
 //! Directions are in the frame of the shading normal, which is z, and point away from the surface.
 
-use crate::path::sampler::frame;
+use crate::sampler::frame;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 

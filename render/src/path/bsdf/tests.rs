@@ -1,7 +1,7 @@
 use super::*;
 use crate::path::chi_square::{self, p_value, rejects};
 use crate::path::proving::least_squares;
-use crate::path::sampler::PixelSampler;
+use crate::sampler::PixelSampler;
 use crate::scene::Material;
 use glam::Vec4;
 

@@ -4,8 +4,8 @@ use super::*;
 use crate::bvh::TracedScene;
 use crate::path::medium::HenyeyGreenstein;
 use crate::path::proving::{Measured, prove_slope, quad};
-use crate::path::sampler::{PixelSampler, Stream};
 use crate::path::{Integrator, Sampling, render};
+use crate::sampler::{PixelSampler, Stream};
 use crate::scene::medium::Weather;
 use crate::scene::{
     Bounds, Camera, Density, DensityGrid, Environment, Gloss, Light, Material, MaterialId, Medium, Mesh,

@@ -2,7 +2,7 @@
 
 use super::{Arrival, LightSample, Lights, brightness};
 use crate::bvh::Hit;
-use crate::path::sampler::Stream;
+use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
 /// How much is spread evenly over all lights that count, in parts of what is shared out by importance: a fifth of all.

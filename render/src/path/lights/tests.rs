@@ -2,7 +2,7 @@ mod densities;
 
 use super::*;
 use crate::path::proving::{quad, sphere};
-use crate::path::sampler::{PixelSampler, Stream, hash};
+use crate::sampler::{PixelSampler, Stream, hash};
 use crate::scene::{
     AlphaMode, Encoding, Light, Material, MaterialId, Mesh, Scene, Texture, TextureId, TextureSlot, Wrap,
 };

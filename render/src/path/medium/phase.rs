@@ -1,6 +1,6 @@
 //! Into which directions light is scattered.
 
-use crate::path::sampler::frame;
+use crate::sampler::frame;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 

@@ -2,7 +2,7 @@ use super::*;
 use crate::path::chi_square::{self, p_value, p_value_of_distances};
 use crate::path::lights::Arrival;
 use crate::path::proving::Measured;
-use crate::path::sampler::PixelSampler;
+use crate::sampler::PixelSampler;
 use crate::scene::{Bounds, DensityGrid, Scene};
 use glam::Vec2;
 use std::f32::consts::FRAC_1_PI;

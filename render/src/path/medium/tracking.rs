@@ -3,7 +3,7 @@
 //! is decided when they happen (Woodcock et al. 1965).
 
 use super::{Flight, Segment, sum};
-use crate::path::sampler::{Stream, hash};
+use crate::sampler::{Stream, hash};
 use crate::scene::{DensityGrid, Medium};
 use glam::Vec3;
 

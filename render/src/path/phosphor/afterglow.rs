@@ -3,9 +3,9 @@
 use crate::bvh::{Hit, TracedScene, corner_weights};
 use crate::intersection::{Start, blended};
 use crate::path::lights::Arrival;
-use crate::phosphor::paint::{Lit, MOST_STATES, Paint, Steps};
 use crate::scene::glow::{FOR_LONG, Piece};
 use crate::scene::{Glow, Mesh};
+use deepshade_glow::paint::{Lit, MOST_STATES, Paint, Steps};
 use glam::Vec3;
 
 /// What a scene's surfaces give back at a moment.

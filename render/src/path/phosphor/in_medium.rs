@@ -3,8 +3,8 @@
 
 use super::Afterglow;
 use crate::path::medium::Segment;
-use crate::phosphor::paint::Paint;
 use crate::scene::Medium;
+use deepshade_glow::paint::Paint;
 use glam::Vec3;
 
 /// Pieces of a way through the medium, in each of which it is alike.

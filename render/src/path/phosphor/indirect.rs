@@ -7,7 +7,7 @@ use super::Afterglow;
 use crate::bvh::TracedScene;
 use crate::path::Shot;
 use crate::path::at_surface::{SurfaceEffect, Visible};
-use crate::path::sampler::{Stream, cosine_hemisphere, frame};
+use crate::sampler::{Stream, cosine_hemisphere, frame};
 use glam::Vec3;
 
 /// What other surfaces give back, where it arrives.

@@ -2,8 +2,8 @@ mod veach;
 
 use super::*;
 use crate::path::proving::{Measured, least_squares, prove_slope, quad};
-use crate::path::sampler::PixelSampler;
 use crate::path::{Sampling, Shot, render};
+use crate::sampler::PixelSampler;
 use crate::scene::{AlphaMode, Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
 use deepshade_shaders::Effect;
 use std::f32::consts::{FRAC_1_PI, PI};

@@ -145,7 +145,7 @@ fn projection_is_the_inverse_of_direction() {
 #[test]
 fn points_of_a_lens_are_spread_evenly() {
     use crate::path::chi_square::{p_value, proves, refutes};
-    use crate::path::sampler::Stream;
+    use crate::sampler::Stream;
     use std::f32::consts::{FRAC_1_PI, TAU};
     // Points of a disk, lifted to the hemisphere above it, have the density cosine / pi (Malley's method).
     let lifted = |at: Vec2| Some(at.extend((1.0 - at.length_squared()).max(0.0).sqrt()));

@@ -1,7 +1,7 @@
 use super::*;
 use crate::exr_file::{self, Layer, Window, Windows};
 use crate::path::chi_square::{p_value, rejects};
-use crate::path::sampler::{PixelSampler, Stream, hash};
+use crate::sampler::{PixelSampler, Stream, hash};
 use deepshade_shaders::Planes;
 use std::f32::consts::FRAC_PI_2;
 

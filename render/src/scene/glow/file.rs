@@ -1,11 +1,11 @@
 //! Files (TOML) that say which surfaces of a scene keep light and when its lamps shine.
 
 use super::{Glow, Schedule, Start};
-use crate::phosphor::material::Material;
-use crate::phosphor::material::file::{FileError, MaterialFile};
-use crate::phosphor::paint::Paint;
-use crate::phosphor::spectrum::lights::Light;
 use crate::scene::{Density, Medium, Scene, file};
+use deepshade_glow::file::{FileError, MaterialFile};
+use deepshade_glow::material::Material;
+use deepshade_glow::paint::Paint;
+use deepshade_glow::spectrum::lights::Light;
 use deepshade_shaders::names::with_meant;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

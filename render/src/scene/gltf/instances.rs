@@ -5,7 +5,7 @@ use super::{
     document::File,
     node::{Hierarchy, label},
 };
-use crate::memory;
+use crate::scene::memory;
 use glam::{Mat4, Quat};
 use gltf::{Node, Primitive, Semantic, mesh::Mode};
 

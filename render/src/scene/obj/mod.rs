@@ -22,7 +22,7 @@ mod warnings;
 
 use super::finish::finish;
 use super::{Material, MaterialId, Scene, SceneError, file};
-use crate::memory;
+use crate::scene::memory;
 use std::borrow::Cow;
 use std::path::Path;
 use warnings::Warnings;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::methods::shafts::{Lamp, Place, ShadowMap};
-use crate::path::sampler::hash;
+use crate::sampler::hash;
 
 #[test]
 fn light_gets_as_far_as_rays_say() {
