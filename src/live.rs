@@ -68,7 +68,7 @@ struct Shading {
 /// How a method runs.
 enum Running {
     /// In passes that are recorded with the frame.
-    Passes(ScreenMethod, Box<Plan>),
+    Passes(Box<ScreenMethod>, Box<Plan>),
     /// A network: recorded with the frame, or, where it cannot be, by itself once the frame's g-buffer has
     /// been read back.
     Network(Box<Learned>, Option<Box<Recorded>>),
@@ -101,7 +101,7 @@ impl Live {
         for method in wanted.methods {
             let name = method.name();
             let plan = Plan::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
-            running.push(Running::Passes(method, Box::new(plan)));
+            running.push(Running::Passes(Box::new(method), Box::new(plan)));
         }
         running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned), None)));
         let since = Since::new(&gpu.device, &frame)?;

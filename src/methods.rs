@@ -88,8 +88,8 @@ fn of_effect(effect: Effect) -> impl Iterator<Item = &'static Entry> {
 
 fn opened(entry: &Entry, setup: Setup<'_>) -> Result<Box<dyn Method>> {
     Ok(match (entry.open(setup.gpu, setup.tuning)?, setup.runs) {
-        (Opened::Screen(method), Runs::Fastest) => Box::new(method),
-        (Opened::Screen(method), Runs::OnAdapter) => Box::new(InPasses(method)),
+        (Opened::Screen(method), Runs::Fastest) => method,
+        (Opened::Screen(method), Runs::OnAdapter) => Box::new(InPasses(*method)),
         (Opened::Processor(method), _) => method,
     })
 }
@@ -125,7 +125,7 @@ pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, tuning: impl Into<Tuni
         .map(|entry| entry.open(gpu, &tuning.into()).with_context(|| format!("method `{name}`")))
         .transpose()?;
     match opened {
-        Some(Opened::Screen(method)) => Ok(method),
+        Some(Opened::Screen(method)) => Ok(*method),
         _ => {
             let known = screen_names(effect);
             let meant = did_you_mean(name, known.iter().copied());

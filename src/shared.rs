@@ -39,7 +39,7 @@ pub mod statistics {
 
 /// The list of methods.
 pub mod methods {
-    pub use crate::methods::{TRUTH, open_screen, screen_names};
+    pub use crate::methods::{LEARNED, TRUTH, open_screen, screen_names};
 }
 
 /// Networks as methods, and where they are.

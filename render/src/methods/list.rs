@@ -27,13 +27,15 @@ pub struct Entry {
     /// Whether it shades the screen in passes.
     pub is_on_screen: bool,
     dials: Box<dyn Fn(Quality) -> Vec<Dial> + Send + Sync>,
-    open: Box<dyn Fn(&Gpu, &Tuning) -> Result<Opened, DialError> + Send + Sync>,
+    open: Open,
 }
+
+type Open = Box<dyn Fn(&Gpu, &Tuning) -> Result<Opened, DialError> + Send + Sync>;
 
 /// A method that was opened.
 pub enum Opened {
     /// One that shades the screen in passes.
-    Screen(ScreenMethod),
+    Screen(Box<ScreenMethod>),
     /// One that runs on the processor.
     Processor(Box<dyn Method>),
 }
@@ -117,7 +119,7 @@ fn screen<P: Tunable + 'static, T: Technique + 'static>(
         is_on_screen: true,
         dials: Box::new(move |quality| dials::dials(&of(quality))),
         open: Box::new(move |gpu, tuning| {
-            Ok(Opened::Screen(ScreenMethod::new(gpu, technique(tuning.parameters(of)?))))
+            Ok(Opened::Screen(Box::new(ScreenMethod::new(gpu, technique(tuning.parameters(of)?)))))
         }),
     }
 }

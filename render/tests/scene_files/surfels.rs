@@ -8,7 +8,6 @@ use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::raster::patches;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
-use deepshade_render::raster::patches;
 use deepshade_render::screen::{Device, GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View};
 use deepshade_render::surfels::{self, Surfel, Tree, frame};
 use deepshade_shaders::Attribute;

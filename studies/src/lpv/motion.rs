@@ -31,7 +31,7 @@ fn flicker(images: &[Planes]) -> f64 {
         (0..image.len()).map(at).sum::<f64>() / image.len() as f64
     };
     let changes: Vec<f64> = images.windows(3).map(off).collect();
-    let brightness: f64 = images.iter().map(mean).sum::<f64>() / images.len() as f64;
+    let brightness: f64 = images.iter().map(Planes::mean).sum::<f64>() / images.len() as f64;
     changes.iter().sum::<f64>() / changes.len() as f64 / brightness
 }
 

@@ -15,7 +15,6 @@ use super::reference::{found, image};
 use super::{ATTRIBUTES, Parameters as Texels, Quality};
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
-use crate::raster::view::perspective;
 use crate::scene::Glow;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
