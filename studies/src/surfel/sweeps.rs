@@ -69,7 +69,7 @@ pub fn run(
     let method = ScreenMethod::new(gpu, Disks::new(usual, OCCLUSION));
     let flat = Parameters { levels: 1, ..usual };
     let shaded = |subject: &Subject<'_>, parameters: Parameters| {
-        let method = method.with(parameters.into());
+        let method = method.with(Disks::new(parameters, OCCLUSION));
         let plan = Plan::new(&method, &subject.inputs(), &subject.view)?;
         let cost = Cost::of(gpu, &plan, runs)?;
         Ok::<_, GpuError>((plan, cost.total))

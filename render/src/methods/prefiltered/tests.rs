@@ -131,7 +131,7 @@ fn errors(filtered: &Filtered, roughness: f32, degrees: f32) -> f32 {
 fn the_table_of_lobes_is_nearer_to_the_integral_than_whole_lobes() {
     let modelled = Parameters::of(Quality::Low).filtered(None);
     // Lobes of the surfaces' own exponents around the mirrored direction, with the right energy.
-    let whole = |i: usize, lobe: &Vec3| Vec3::new(lobe.x, 0.0, 0.5 * (i / lobe::ANGLES) as f32);
+    let whole = |i: usize, lobe: &Vec3| Vec3::new(lobe.x, 0.0, 0.5 * (i / ANGLES) as f32);
     let table = modelled.table.iter().enumerate().map(|(i, lobe)| whole(i, lobe)).collect();
     let whole = Filtered { table, ..modelled.clone() };
     for (roughness, degrees) in [(0.6, 80.0), (0.8, 70.0), (0.9, 50.0), (1.0, 30.0)] {

@@ -67,7 +67,7 @@ fn plain((scene, view, gbuffer): &Seen, parameters: &Parameters) -> Planes {
     let surface = &Surface::of(gbuffer).expect("a surface");
     let disks = surfels::reference::laid(scene, &parameters.surfels, view, Some(surfels::Lit::Received));
     let plain = Plain { gbuffer, surface, scene, environment: None, parameters, view };
-    Scattering::plain(&plain, disks).expect("attributes")
+    (SCATTERING.plain)(&plain, &disks).expect("attributes")
 }
 
 fn image(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
