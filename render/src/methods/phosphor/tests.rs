@@ -179,7 +179,7 @@ fn what_moved_leaves_its_shadows_where_they_were() {
     let spacing = scene.diagonal() / 150.0;
     // Of a map of 90 degrees and 1024 texels, at the floor's distance; a lookup mixes two by two.
     let texel = 2.0 * 2.0 * 2.5 / 1024.0;
-    let methods: [(ScreenMethod, f32); 2] = [(states, spacing + texel), (moments, 2.0 * texel)];
+    let methods = [(states, spacing + texel), (moments, 2.0 * texel)];
     for (method, width) in methods {
         let told = (scene.clone(), view, gbuffer.clone());
         let found = shaded(&method, &told);

@@ -93,7 +93,7 @@ fn a_glowing_wall_lights_the_floor_as_truth_says() {
 fn what_is_faint_is_as_exact_as_what_is_bright() {
     let gpu = gpu();
     let room = lit_room(room());
-    let methods: [ScreenMethod; 3] = [by_surfels(&gpu), by_rays(&gpu), by_grid(&gpu, 12)];
+    let methods = [by_surfels(&gpu), by_rays(&gpu), by_grid(&gpu, 12)];
     let by = (-40.0f32).exp2();
     for method in methods {
         let [bright, faint] = [1.0, by].map(|by| shaded(&method, &changed(&room, 3.0, by)));
@@ -113,7 +113,7 @@ fn kept_light_fades_as_its_state_does() {
     glow.surfaces[0].0 = Some("wall".to_owned());
     let lit = vec![lamp(Vec3::new(0.0, 1.0, 1.0), 5.0)];
     let room = lit_room(seen(scene(vec![floor(), wall()], lit, glow), camera(), [37, 53]));
-    let methods: [ScreenMethod; 3] = [by_surfels(&gpu), by_rays(&gpu), by_grid(&gpu, 12)];
+    let methods = [by_surfels(&gpu), by_rays(&gpu), by_grid(&gpu, 12)];
     for method in methods {
         let [before, after] = [1.0, 21.0].map(|moment| shaded(&method, &changed(&room, moment, 1.0)));
         let left = (-decay * 20.0).exp();
