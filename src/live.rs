@@ -19,7 +19,7 @@ use deepshade_render::raster::since::Since;
 #[cfg(feature = "view")]
 use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
-use deepshade_render::screen::reprojection::{Parameters, Reprojection};
+use deepshade_render::screen::reprojection::{Reprojection, ReprojectionParameters};
 use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
@@ -381,7 +381,14 @@ impl Shading {
             Running::Network(..) => gpu::empty::<f32>(device, "live.learned", channels * pixels)?,
         };
         let temporal = since.map(|since| {
-            Reprojection::new(device, size, since.planes(), &output, channels, Parameters::default())
+            Reprojection::new(
+                device,
+                size,
+                since.planes(),
+                &output,
+                channels,
+                ReprojectionParameters::default(),
+            )
         });
         let temporal = temporal.transpose()?;
         Ok(Self { method, output, temporal })

@@ -108,10 +108,10 @@ impl Targets {
     fn new() -> Self {
         let gpu = Gpu::new().expect("an adapter; lavapipe will do");
         Self {
-            ssgi: ScreenMethod::new(&gpu, ssgi::Parameters::of(QUALITY)),
+            ssgi: ScreenMethod::new(&gpu, ssgi::SsgiParameters::of(QUALITY)),
             surfel: ScreenMethod::new(
                 &gpu,
-                Disks::new(surfel::Parameters::of(QUALITY), surfel::occlusion::OCCLUSION),
+                Disks::new(surfel::SurfelParameters::of(QUALITY), surfel::occlusion::OCCLUSION),
             ),
         }
     }

@@ -82,7 +82,7 @@ fn five_million_triangles_occlude_as_few_do() {
     let gpu = Gpu::new().expect("an adapter");
     let surfels = ScreenMethod::new(
         &gpu,
-        Disks::new(surfel::Parameters::of(Quality::Ultra), surfel::occlusion::OCCLUSION),
+        Disks::new(surfel::SurfelParameters::of(Quality::Ultra), surfel::occlusion::OCCLUSION),
     );
     let volumes = ScreenMethod::new(&gpu, aov::Volumes);
     let few = World::new(&gpu, &ceiling(40).into(), None).expect("room");

@@ -18,7 +18,7 @@ use deepshade_dataset::progress;
 use deepshade_render::methods::Quality;
 use deepshade_render::metrics::{exposed, exposure};
 use deepshade_render::screen::ScreenMethod;
-use deepshade_render::screen::reprojection::Parameters;
+use deepshade_render::screen::reprojection::ReprojectionParameters;
 use deepshade_render::screen::reprojection::reference::{Two, flicker};
 use deepshade_shaders::effect::Setting;
 use deepshade_shaders::gpu::Gpu;
@@ -215,7 +215,12 @@ fn write_sequence(
             let exposed = exposed(&image, *scale);
             if let Some((last, last_since)) = &before {
                 let two = Two { since_before: &since, since_before_that: last_since };
-                flickers.push(flicker(two, &exposed, last, Parameters::default().depth_tolerance));
+                flickers.push(flicker(
+                    two,
+                    &exposed,
+                    last,
+                    ReprojectionParameters::default().depth_tolerance,
+                ));
             }
             before = Some((exposed, since));
         }

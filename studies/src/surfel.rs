@@ -116,7 +116,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;
-    let usual = surfel::Parameters::of(args.quality);
+    let usual = surfel::SurfelParameters::of(args.quality);
     let mut sweeps = Vec::new();
     if !args.no_sweeps {
         let half = subject(Size { width: size.width / 2, height: size.height / 2 })?;

@@ -13,7 +13,7 @@ use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::{Figures, write_atomically};
 use deepshade::shared::table;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::volume_shell::Parameters;
+use deepshade_render::methods::volume_shell::VolumeShellParameters;
 use deepshade_render::surfels;
 use deepshade_shaders::gpu::{self, Gpu};
 use errors::Errors;
@@ -62,10 +62,10 @@ const SCALE: f32 = 0.015;
 const WAKING: Duration = Duration::from_millis(500);
 
 /// The paper's parameters.
-fn parameters() -> Parameters {
-    let usual = Parameters::of(Quality::High);
-    let surfels = surfels::Parameters { scale: SCALE, ..usual.surfels };
-    Parameters { surfels, threshold: 0.06, levels: 6, samples: 16, steps: 200, ..usual }
+fn parameters() -> VolumeShellParameters {
+    let usual = VolumeShellParameters::of(Quality::High);
+    let surfels = surfels::SurfelDensity { scale: SCALE, ..usual.surfels };
+    VolumeShellParameters { surfels, threshold: 0.06, levels: 6, samples: 16, steps: 200, ..usual }
 }
 
 /// Measures and prints.

@@ -18,7 +18,7 @@ use glam::IVec2;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct BlurParameters {
     /// Pixels on either side that are blurred together; 0 is no blur.
     #[schemars(range(min = 0, max = 32), extend("unit" = "pixels"))]
     pub radius: u32,
@@ -28,7 +28,7 @@ pub struct Parameters {
     pub sharpness: f32,
 }
 
-impl Parameters {
+impl BlurParameters {
     /// What the passes along rows and along columns read, for an effect that has a background.
     pub fn settings(&self, view: &View, effect: Effect) -> [uniforms::Blur; 2] {
         let sigma = 0.5 * (self.radius as f32 + 1.0);

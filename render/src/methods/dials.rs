@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn numbers_have_their_fields_documentation_range_and_value() {
-        let dials = dials(&gtao::Parameters::of(Quality::Low));
+        let dials = dials(&gtao::GtaoParameters::of(Quality::Low));
         let names: Vec<&str> = dials.iter().map(|dial| dial.name.as_str()).collect();
         assert_eq!(
             names,
@@ -349,15 +349,22 @@ mod tests {
     #[test]
     fn what_is_changed_is_changed_and_all_else_is_the_qualitys() {
         let tuning = changed(r#"{ "slices": { "steps": 5 }, "blur.sharpness": 0.5 }"#);
-        let parameters = tuning.parameters(gtao::Parameters::of).expect("parameters");
-        let mut usual = gtao::Parameters::of(Quality::Low);
+        let parameters = tuning.parameters(gtao::GtaoParameters::of).expect("parameters");
+        let mut usual = gtao::GtaoParameters::of(Quality::Low);
         assert_ne!(parameters, usual);
         usual.slices.steps = 5;
         usual.blur.sharpness = 0.5;
         assert_eq!(parameters, usual);
-        let still =
-            changed(r#"{ "jitter": false }"#).parameters(ray_march::Parameters::of).expect("a switch");
-        assert_eq!(still, ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::Low) });
+        let still = changed(r#"{ "jitter": false }"#)
+            .parameters(ray_march::RayMarchParameters::of)
+            .expect("a switch");
+        assert_eq!(
+            still,
+            ray_march::RayMarchParameters {
+                jitter: false,
+                ..ray_march::RayMarchParameters::of(Quality::Low)
+            }
+        );
     }
 
     #[test]
@@ -368,29 +375,31 @@ mod tests {
         assert_eq!(Setting::from("two-bands"), Setting::Name("two-bands".to_owned()));
         let changes = Changes([("jitter".to_owned(), "false".into())].into());
         let still = Tuning { quality: Quality::Low, changes }
-            .parameters(ray_march::Parameters::of)
+            .parameters(ray_march::RayMarchParameters::of)
             .expect("a switch");
-        assert!(!still.jitter && ray_march::Parameters::of(Quality::Low).jitter);
+        assert!(!still.jitter && ray_march::RayMarchParameters::of(Quality::Low).jitter);
     }
 
     #[test]
     fn without_changes_all_qualities_are_as_they_are_bit_for_bit() {
         for quality in Quality::ALL {
             // A change to what it is anyway goes the long way, by text and back.
-            let steps = f64::from(volume_shell::Parameters::of(quality).steps);
+            let steps = f64::from(volume_shell::VolumeShellParameters::of(quality).steps);
             let changes = Changes([("steps".to_owned(), steps.into())].into());
-            let parameters =
-                Tuning { quality, changes }.parameters(volume_shell::Parameters::of).expect("parameters");
-            assert_eq!(parameters, volume_shell::Parameters::of(quality));
-            let parameters = Tuning::from(quality).parameters(fxaa::Parameters::of).expect("parameters");
-            assert_eq!(parameters, fxaa::Parameters::of(quality));
+            let parameters = Tuning { quality, changes }
+                .parameters(volume_shell::VolumeShellParameters::of)
+                .expect("parameters");
+            assert_eq!(parameters, volume_shell::VolumeShellParameters::of(quality));
+            let parameters = Tuning::from(quality).parameters(fxaa::FxaaParameters::of).expect("parameters");
+            assert_eq!(parameters, fxaa::FxaaParameters::of(quality));
         }
     }
 
     #[test]
     fn what_cannot_be_set_is_refused_by_name() {
-        let refused =
-            |changes: &str| changed(changes).parameters(gtao::Parameters::of).expect_err(changes).to_string();
+        let refused = |changes: &str| {
+            changed(changes).parameters(gtao::GtaoParameters::of).expect_err(changes).to_string()
+        };
         let mistyped = refused(r#"{ "slices.stepz": 5 }"#);
         let said = "no parameter `slices.stepz` (did you mean `slices.steps`?); there are: blur";
         assert!(mistyped.starts_with(said), "{mistyped}");
@@ -405,19 +414,20 @@ mod tests {
 
     #[test]
     fn one_of_several_ways_is_chosen_by_its_name() {
-        let dials = dials(&lpv::Parameters::of(Quality::Low));
+        let dials = dials(&lpv::LpvParameters::of(Quality::Low));
         let factors = dials.iter().find(|dial| dial.name == "scheme.factors").expect("a choice");
         let names = ["placed", "exponential", "linear"].map(str::to_owned);
         assert_eq!((&factors.values, factors.usual), (&Values::Named(names.to_vec()), 0.0));
         assert!(factors.text.starts_with("How collisions with the medium"), "{}", factors.text);
         let papers = r#"{ "scheme": { "factors": "linear", "lobes": "two-bands", "lookup": "within" } }"#;
-        let parameters = changed(papers).parameters(lpv::Parameters::of).expect("the paper's scheme");
+        let parameters = changed(papers).parameters(lpv::LpvParameters::of).expect("the paper's scheme");
         assert_eq!(
             parameters,
-            lpv::Parameters { scheme: Scheme::PAPER, ..lpv::Parameters::of(Quality::Low) }
+            lpv::LpvParameters { scheme: Scheme::PAPER, ..lpv::LpvParameters::of(Quality::Low) }
         );
-        let refused =
-            |changes: &str| changed(changes).parameters(lpv::Parameters::of).expect_err(changes).to_string();
+        let refused = |changes: &str| {
+            changed(changes).parameters(lpv::LpvParameters::of).expect_err(changes).to_string()
+        };
         assert!(refused(r#"{ "scheme.factors": "cubic" }"#).ends_with("one of placed, exponential, linear"));
         assert!(refused(r#"{ "scheme.factors": 1 }"#).contains("1 is not one of"));
     }

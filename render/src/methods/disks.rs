@@ -27,7 +27,7 @@ pub trait ByDisks: Copy + Debug + Send + Sync {
     fn sane(self) -> Self;
 
     /// How finely the scene is laid out.
-    fn surfels(&self) -> &surfels::Parameters;
+    fn surfels(&self) -> &surfels::SurfelDensity;
 
     /// As [`Technique::uniforms`].
     fn uniforms(&self, effect: Effect, view: &View) -> Vec<Vec<u8>>;

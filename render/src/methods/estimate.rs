@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimator {
     /// Openness, with and without its blur.
-    Gtao(gtao::Parameters),
+    Gtao(gtao::GtaoParameters),
 }
 
 /// Why there is no estimate.
@@ -37,7 +37,7 @@ impl Estimator {
         let known = Quality::ALL.into_iter().find(|known| known.name() == quality);
         let quality = known.ok_or_else(|| EstimateError::Quality(quality.to_owned()))?;
         match method {
-            "gtao" => Ok(Self::Gtao(gtao::Parameters::of(quality))),
+            "gtao" => Ok(Self::Gtao(gtao::GtaoParameters::of(quality))),
             other => Err(EstimateError::Unknown(other.to_owned())),
         }
     }
@@ -117,7 +117,7 @@ mod tests {
         let (height, width) = (31, 45);
         let gbuffer = still_life(height, width);
         let with = with_estimates(&gbuffer, [("gtao", "low")], 1.0, 11).expect("estimates");
-        let parameters = gtao::Parameters::of(Quality::Low);
+        let parameters = gtao::GtaoParameters::of(Quality::Low);
         let view = View { seed: 11, ..seen(height, width, 1.0) };
         let surface = Surface::of(&gbuffer).expect("all attributes");
         let noisy = gtao::reference::occlude(&surface, &parameters.slices.settings(&view));

@@ -28,7 +28,7 @@ pub trait Marched: Debug + Send + Sync {
     fn march(&self, view: &View) -> Self::March;
 
     /// What removes its noise.
-    fn blur(&self) -> blur::Parameters;
+    fn blur(&self) -> blur::BlurParameters;
 
     /// What else the march reads.
     fn more(&self, _environment: Option<&Environment>) -> Option<Vec<[f32; 4]>> {

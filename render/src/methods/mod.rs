@@ -60,7 +60,7 @@ fn images<const COUNT: usize>(images: [Planes; COUNT]) -> Written {
     images.map(|image| image.data().to_vec()).into()
 }
 
-/// How much time a method may take for a better image. Each says in its `Parameters::of` what that means to it.
+/// How much time a method may take for a better image. Each says in its `of` what that means to it.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
 )]

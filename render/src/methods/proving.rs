@@ -320,8 +320,8 @@ pub fn prove_comparator(right: &Planes, tolerance: Tolerance) {
 fn a_pass_between_that_is_wrong_is_found_out() {
     let gpu = gpu::Gpu::new().expect("an adapter; lavapipe will do");
     let tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
-    let gtao = ScreenMethod::new(&gpu, gtao::Parameters::of(Quality::High));
-    let ring_gather = ScreenMethod::new(&gpu, ring_gather::Parameters::of(Quality::High));
+    let gtao = ScreenMethod::new(&gpu, gtao::GtaoParameters::of(Quality::High));
+    let ring_gather = ScreenMethod::new(&gpu, ring_gather::RingGatherParameters::of(Quality::High));
     let gbuffer = lit_still_life(43, 61);
     let view = view(43, 61, 1.0);
     for (method, buffers) in [(&gtao as &ScreenMethod, 3), (&ring_gather, 6)] {

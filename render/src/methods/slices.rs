@@ -38,7 +38,7 @@ const SECTORS: f32 = 32.0;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SliceParameters {
     /// Slices of a pixel, at least 1.
     #[schemars(range(min = 1, max = 64))]
     pub slices: u32,
@@ -50,7 +50,7 @@ pub struct Parameters {
     pub thickness: f32,
 }
 
-impl Parameters {
+impl SliceParameters {
     /// What the passes read.
     pub fn settings(&self, view: &View) -> uniforms::Slices {
         uniforms::Slices {

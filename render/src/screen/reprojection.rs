@@ -14,7 +14,7 @@ use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
+pub struct ReprojectionParameters {
     /// Share of this frame in the image, above 0. Of noise that is new in every frame, the variance falls to
     /// `share / (2 - share)` where nothing is cut off.
     pub share: f32,
@@ -24,13 +24,13 @@ pub struct Parameters {
     pub clip: f32,
 }
 
-impl Default for Parameters {
+impl Default for ReprojectionParameters {
     fn default() -> Self {
         Self { share: 0.1, depth_tolerance: 0.05, clip: 1.5 }
     }
 }
 
-impl Parameters {
+impl ReprojectionParameters {
     /// As the pass reads them.
     pub const fn uniform(&self, height: usize, width: usize, first: bool) -> uniforms::Reprojection {
         uniforms::Reprojection {
@@ -47,7 +47,7 @@ impl Parameters {
 /// The pass for images of a method, and what it remembers of the frame before.
 #[derive(Debug)]
 pub struct Reprojection {
-    parameters: Parameters,
+    parameters: ReprojectionParameters,
     size: [usize; 2],
     first: bool,
     uniform: wgpu::Buffer,
@@ -70,7 +70,7 @@ impl Reprojection {
         since: &wgpu::Buffer,
         current: &wgpu::Buffer,
         channels: usize,
-        parameters: Parameters,
+        parameters: ReprojectionParameters,
     ) -> Result<Self, GpuError> {
         let planes = |label: &str, count: usize| gpu::empty::<f32>(device, label, count * height * width);
         let uniform = gpu::uniform(device, "reprojection", &parameters.uniform(height, width, true))?;

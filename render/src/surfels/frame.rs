@@ -3,7 +3,7 @@
 
 use super::cloud::{self, Cloud, Tree};
 use super::light::{self, Lit};
-use super::{HEIGHT, Parameters};
+use super::{HEIGHT, SurfelDensity};
 use crate::raster::World;
 use crate::screen::{Device, MethodStep, View};
 use bytemuck::bytes_of;
@@ -13,7 +13,7 @@ use deepshade_shaders::gpu::GpuError;
 pub const UNIFORMS: usize = 2 + HEIGHT as usize;
 
 /// The contents of the passes' uniform buffers.
-pub fn uniforms(parameters: &Parameters, view: &View) -> impl Iterator<Item = Vec<u8>> {
+pub fn uniforms(parameters: &SurfelDensity, view: &View) -> impl Iterator<Item = Vec<u8>> {
     let first = [bytes_of(&parameters.settings(view)).to_vec(), bytes_of(&view.perspective()).to_vec()];
     first.into_iter().chain(cloud::tree_levels().map(|level| bytes_of(&level).to_vec()))
 }

@@ -46,7 +46,7 @@ pub const MOST: usize = LEAF << (2 * HEIGHT);
 
 /// How finely a scene is laid out.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SurfelDensity {
     /// The papers' s: radius of a surfel over half the height of what is seen at its distance.
     #[schemars(range(min = 0.002, max = 0.5))]
     pub scale: f32,
@@ -55,7 +55,7 @@ pub struct Parameters {
     pub near: f32,
 }
 
-impl Parameters {
+impl SurfelDensity {
     /// What the passes read.
     pub fn settings(&self, view: &View) -> uniforms::Surfels {
         uniforms::Surfels {

@@ -1,6 +1,6 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::{Lit, MOST, Parameters, Surfel};
+use super::{Lit, MOST, Surfel, SurfelDensity};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
@@ -195,7 +195,7 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 }
 
 /// The surfels of a scene that stays, for a view.
-pub fn surfels(scene: &Scene, parameters: &Parameters, view: &View) -> Vec<Disk> {
+pub fn surfels(scene: &Scene, parameters: &SurfelDensity, view: &View) -> Vec<Disk> {
     let patches = patches::of_scene(scene);
     let vertices = vertices(scene.meshes.iter(), &view.camera);
     let settings = parameters.settings(view);
@@ -204,7 +204,7 @@ pub fn surfels(scene: &Scene, parameters: &Parameters, view: &View) -> Vec<Disk>
 }
 
 /// The surfels of a scene that stays, for a view, with the light that they send, if any.
-pub fn laid(scene: &TracedScene, parameters: &Parameters, view: &View, light: Option<Lit>) -> Vec<Disk> {
+pub fn laid(scene: &TracedScene, parameters: &SurfelDensity, view: &View, light: Option<Lit>) -> Vec<Disk> {
     let disks = surfels(scene.scene(), parameters, view);
     match light {
         Some(light) => lit(scene, disks, &view.camera, light),

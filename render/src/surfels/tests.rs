@@ -1,7 +1,7 @@
 //! Surfels stand for the surface: their areas, sizes and places, and the passes against the plain version.
 
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Parameters, Surfel, Tree, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Surfel, SurfelDensity, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
 use crate::raster::patches::{Patch, area_of, of_scene};
@@ -14,7 +14,7 @@ use deepshade_shaders::wgsl::uniforms;
 use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
 
-const PARAMETERS: Parameters = Parameters { scale: 0.02, near: 0.25 };
+const PARAMETERS: SurfelDensity = SurfelDensity { scale: 0.02, near: 0.25 };
 
 /// A scene of one mesh.
 fn scene(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Scene {
@@ -37,7 +37,7 @@ fn view(reach: f32) -> View {
     proving::view(96, 128, reach)
 }
 
-fn disks(scene: &Scene, parameters: &Parameters, reach: f32) -> Vec<Disk> {
+fn disks(scene: &Scene, parameters: &SurfelDensity, reach: f32) -> Vec<Disk> {
     reference::surfels(scene, parameters, &view(reach))
 }
 
@@ -65,7 +65,7 @@ fn their_areas_sum_up_to_the_surface() {
     ];
     for (name, scene) in scenes {
         let reach = 10.0 * scene.bounds().diagonal();
-        let parameters = Parameters { near: 0.01, ..PARAMETERS };
+        let parameters = SurfelDensity { near: 0.01, ..PARAMETERS };
         let (wanted, found) = (area_of(&scene), total_area(&disks(&scene, &parameters, reach)));
         assert!((found / wanted - 1.0).abs() < 0.01, "{name}: {found} m² of {wanted} m²");
     }
@@ -128,7 +128,7 @@ struct Made {
     nodes: Vec<[f32; 8]>,
 }
 
-fn made(gpu: &Gpu, scene: &Scene, parameters: &Parameters, view: &View) -> Made {
+fn made(gpu: &Gpu, scene: &Scene, parameters: &SurfelDensity, view: &View) -> Made {
     let Gpu { device, queue, .. } = gpu;
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
     let cloud = Cloud::new(device, &world, None).expect("room");
@@ -241,7 +241,7 @@ fn odd_scenes_have_defined_surfels() {
         "an effect that reaches nowhere"
     );
 
-    let fine = Parameters { scale: 1e-4, near: 0.01 };
+    let fine = SurfelDensity { scale: 1e-4, near: 0.01 };
     let many = made(&gpu, &sheet(8, 1.0, -3.0), &fine, &view(20.0));
     assert!(many.count[0] as usize == MOST && many.count[1] > many.count[0], "{:?}", many.count);
     let area: f32 = many.surfels.iter().map(|surfel| PI * surfel.radius().powi(2)).sum();

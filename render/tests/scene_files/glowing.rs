@@ -6,7 +6,7 @@ use deepshade_glow::paint::{Lit, MOST_STATES, Paint, PaintState};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{self, Method};
-use deepshade_render::methods::phosphor::Parameters;
+use deepshade_render::methods::phosphor::RateEquationParameters;
 use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_around};
 use deepshade_render::past;
 use deepshade_render::path::phosphor::{Afterglow, Place};
@@ -22,7 +22,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 const SIZE: usize = 48;
-const TEXELS: Parameters = Parameters::exact(120);
+const TEXELS: RateEquationParameters = RateEquationParameters::exact(120);
 /// Frames a second; the sequence lasts one.
 const FPS: u16 = 8;
 

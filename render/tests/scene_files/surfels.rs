@@ -90,7 +90,7 @@ fn posed(gpu: &Gpu, path: &Path, loaded: f32, time: f32) -> World {
 fn surfels_at(gpu: &Gpu, path: &Path, time: f32) -> Vec<(u32, Surfel)> {
     let Gpu { device, queue, .. } = gpu;
     let world = posed(gpu, path, 0.0, time);
-    let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
+    let fine = surfels::SurfelDensity { scale: 0.02, near: 0.01 };
     let uniforms: Vec<wgpu::Buffer> = frame::uniforms(&fine, &view(100.0))
         .map(|bytes| gpu::uniforms(device, "test", &bytes).expect("room"))
         .collect();
@@ -172,7 +172,7 @@ fn a_frame_is_shaded_as_the_same_scene_that_stays() {
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, &ATTRIBUTES).expect("attributes");
     let method = ScreenMethod::new(
         &gpu,
-        Disks::new(surfel::Parameters::of(Quality::High), surfel::occlusion::OCCLUSION),
+        Disks::new(surfel::SurfelParameters::of(Quality::High), surfel::occlusion::OCCLUSION),
     );
     let image = |world: &World| -> Vec<f32> {
         let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };

@@ -27,8 +27,10 @@ impl Claims {
     /// # Errors
     /// If a scene cannot be traced.
     pub fn of(setup: Setup, pool: &ThreadPool) -> Result<Self> {
-        let trees =
-            epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+        let trees = epipolar::EpipolarParameters {
+            light_rays: setup.light_rays,
+            ..epipolar::EpipolarParameters::of(Quality::High)
+        };
         let plain = Subject::new(Kind::Indoor, View::Side, setup)?;
         let coloured = plain.with_light(|light| {
             let Light::Directional { pattern, .. } = light else { return };
@@ -115,16 +117,18 @@ fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 3]> {
         let (radiance, _) = subject.once(way, pool);
         Planes::from_fn(1, height, width, |_, y, x| radiance[y * width + x].x)
     };
-    let usual = ray_march::Parameters::of(Quality::High);
-    let long = ray_march::Parameters { steps, jitter: false, ..usual };
+    let usual = ray_march::RayMarchParameters::of(Quality::High);
+    let long = ray_march::RayMarchParameters { steps, jitter: false, ..usual };
     let truth = image(&|lit, radiance| long.add(lit, radiance));
     let exposure = exposure(Effect::FogDirect, &truth);
     let error = |way: &Way<'_>| relative_mse(&exposed(&image(way), exposure), &exposed(&truth, exposure));
-    let trees =
-        epipolar::Parameters { light_rays: setup.light_rays, ..epipolar::Parameters::of(Quality::High) };
+    let trees = epipolar::EpipolarParameters {
+        light_rays: setup.light_rays,
+        ..epipolar::EpipolarParameters::of(Quality::High)
+    };
     let [every, few] = [1, 16].map(|spacing| {
-        let usual = epipolar_sampling::Parameters::of(Quality::High);
-        epipolar_sampling::Parameters { spacing, steps, ..usual }
+        let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::High);
+        epipolar_sampling::EpipolarSamplingParameters { spacing, steps, ..usual }
     });
     Ok([
         error(&|lit, radiance| trees.add(lit, radiance)),

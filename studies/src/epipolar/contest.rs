@@ -141,7 +141,8 @@ fn marched(
 
 impl Duel {
     fn of(subject: &Subject, reference: &Reference, light_rays: usize, pool: &ThreadPool) -> Self {
-        let trees = epipolar::Parameters { light_rays, ..epipolar::Parameters::of(Quality::High) };
+        let trees =
+            epipolar::EpipolarParameters { light_rays, ..epipolar::EpipolarParameters::of(Quality::High) };
         let tree: &Way<'_> = &|lit, radiance| trees.add(lit, radiance);
         let measured = |(radiance, seconds): &(Vec<Vec3>, f64)| Measured {
             seconds: *seconds,
@@ -152,7 +153,8 @@ impl Duel {
             let [tree] = subject.timed([tree], pool);
             return Self { light_rays, tree: measured(&tree), march: None };
         };
-        let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
+        let march =
+            ray_march::RayMarchParameters { steps, ..ray_march::RayMarchParameters::of(Quality::High) };
         let [tree, march] = subject.timed([tree, &|lit, radiance| march.add(lit, radiance)], pool);
         Self { light_rays, tree: measured(&tree), march: Some((steps, measured(&march))) }
     }
@@ -170,8 +172,8 @@ impl Outcome {
         let light_rays = subject.setup.light_rays;
         let duels = [light_rays, light_rays / 4].map(|rays| Duel::of(subject, &reference, rays, pool));
         let sampling = best_sampling(subject, &reference, &duels[0], pool);
-        let usual = min_max::Parameters::of(Quality::High);
-        let quarter = min_max::Parameters { light_rays: light_rays / 4, ..usual };
+        let usual = min_max::MinMaxParameters::of(Quality::High);
+        let quarter = min_max::MinMaxParameters { light_rays: light_rays / 4, ..usual };
         let [(radiance, seconds)] = subject.timed([&|lit, radiance| quarter.add(lit, radiance)], pool);
         let min_max = Measured { seconds, relmse: reference.error_of_image(&radiance) };
         Self { name: subject.name.clone(), duels, sampling, min_max }
@@ -222,8 +224,8 @@ fn best_sampling(
     let (fewest, _) = duel.march?;
     let of = |(spacing, finer): (usize, f64)| {
         let steps = (f64::from(fewest) * finer) as u32;
-        let usual = epipolar_sampling::Parameters::of(Quality::High);
-        let sampling = epipolar_sampling::Parameters { spacing, steps, ..usual };
+        let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::High);
+        let sampling = epipolar_sampling::EpipolarSamplingParameters { spacing, steps, ..usual };
         let (radiance, seconds) = subject.once(&|lit, radiance| sampling.add(lit, radiance), pool);
         let found = Measured { seconds, relmse: reference.error_of_image(&radiance) };
         Sampling { spacing, steps, found, is_as_good: found.relmse <= duel.tree.relmse }

@@ -125,7 +125,7 @@ impl Duel {
         let error = |method: &ScreenMethod| {
             anyhow::Ok(relative_mse(&exposed(&stand.image(method)?, exposure), &truth))
         };
-        let sums = ScreenMethod::new(stand.gpu, gpu_epipolar::Parameters::of(Quality::High));
+        let sums = ScreenMethod::new(stand.gpu, gpu_epipolar::GpuEpipolarParameters::of(Quality::High));
         let sums = Measured { relmse: error(&sums)?, seconds: stand.seconds(&sums)? };
         let is_enough = |steps| anyhow::Ok(error(&march(stand.gpu, steps))? <= sums.relmse);
         let march = fewest(STEPS, is_enough)?.map(|steps| {
@@ -142,7 +142,7 @@ impl Duel {
 }
 
 fn march(gpu: &Gpu, steps: u32) -> ScreenMethod {
-    ScreenMethod::new(gpu, fog_march::Parameters { steps })
+    ScreenMethod::new(gpu, fog_march::FogMarchParameters { steps })
 }
 
 impl<'a> Stand<'a> {

@@ -37,12 +37,13 @@ impl Scaling {
         for share in SHARES {
             let setup = finest.scaled(share);
             let subject = Subject::new(Kind::Trees, View::Side, setup)?;
-            let trees = epipolar::Parameters {
+            let trees = epipolar::EpipolarParameters {
                 light_rays: setup.light_rays,
-                ..epipolar::Parameters::of(Quality::High)
+                ..epipolar::EpipolarParameters::of(Quality::High)
             };
             let steps = setup.light_rays as u32;
-            let march = ray_march::Parameters { steps, ..ray_march::Parameters::of(Quality::High) };
+            let march =
+                ray_march::RayMarchParameters { steps, ..ray_march::RayMarchParameters::of(Quality::High) };
             let [(_, tree), (_, march)] = subject.timed(
                 [&|lit, radiance| trees.add(lit, radiance), &|lit, radiance| march.add(lit, radiance)],
                 pool,

@@ -6,7 +6,7 @@ use anyhow::{Result, ensure};
 use deepshade_render::lpv::Scheme;
 use deepshade_render::lpv::lobe::Lobes;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::methods::lpv::passes::Pixel;
 use deepshade_render::path::Part;
 use deepshade_shaders::{Effect, Planes};
@@ -65,11 +65,11 @@ impl Alternatives {
         let shadowed = less(&truth(Effect::Path, Part::Direct), &traced_single);
         let single = subject.single()?;
         let lit = subject.lit()?;
-        let parameters = Parameters::of(Quality::High);
+        let parameters = LpvParameters::of(Quality::High);
         let shown = |medium, surface| subject.indirect(parameters, Pixel { medium, surface });
         let (on_surfaces, marched) = (shown(false, true)?, shown(true, false)?);
         let multiple = subject.multiple(parameters)?;
-        let as_in_paper = Parameters { scheme: Scheme::PAPER, ..parameters };
+        let as_in_paper = LpvParameters { scheme: Scheme::PAPER, ..parameters };
         let paper = subject.multiple(as_in_paper)?;
         let papers_indirect = subject.indirect(as_in_paper, Pixel { medium: true, surface: true })?;
         let ours = |single| sum(&[&shadowed, single, &on_surfaces, &marched, &multiple]);
@@ -98,18 +98,19 @@ impl Alternatives {
         score("multiple_paper", &paper);
         for cells in GRIDS {
             for iterations in ITERATIONS {
-                let image = subject.multiple(Parameters { cells, iterations, ..parameters })?;
+                let image = subject.multiple(LpvParameters { cells, iterations, ..parameters })?;
                 score(&format!("multiple_{cells}_{iterations}"), &image);
             }
         }
         for (name, cells, cascades) in NESTED {
-            let image = subject.multiple(Parameters { cells, cascades, iterations: cells, ..parameters })?;
+            let image =
+                subject.multiple(LpvParameters { cells, cascades, iterations: cells, ..parameters })?;
             score(&format!("multiple_{name}"), &image);
         }
         for (name, lobes) in BANDS {
             let scheme = Scheme { lobes, ..Scheme::OURS };
             let (cells, iterations) = (BANDS_CELLS, BANDS_CELLS);
-            let image = subject.multiple(Parameters { cells, iterations, scheme, ..parameters })?;
+            let image = subject.multiple(LpvParameters { cells, iterations, scheme, ..parameters })?;
             score(&format!("multiple_{name}"), &image);
         }
         Ok(Self { truth: all, images, rows })
@@ -145,7 +146,7 @@ mod tests {
         let gpu = Gpu::new().expect("an adapter");
         let source = "colonnade:1".parse().expect("a scene");
         let subject = Subject::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
-        let parameters = Parameters { cells: 32, iterations: 32, ..Parameters::of(Quality::Low) };
+        let parameters = LpvParameters { cells: 32, iterations: 32, ..LpvParameters::of(Quality::Low) };
         let pixel = Pixel { medium: true, surface: false };
         let image = subject.indirect(parameters, pixel).expect("an image");
         let truth = subject.truth(Effect::FogIndirect, Part::All, 256);

@@ -5,7 +5,7 @@ use crate::stages::{Cost, Stage};
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
 use deepshade_render::lpv::Scheme;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::screen::Plan;
 use deepshade_shaders::gpu::{self, Gpu};
 
@@ -40,7 +40,7 @@ impl Costs {
         let mut of_grids = Vec::new();
         let mut moved = 0.0;
         for (cells, suffix) in GRIDS {
-            let plan = subject.plan(Parameters {
+            let plan = subject.plan(LpvParameters {
                 cells,
                 cascades: 1,
                 iterations: ITERATIONS,

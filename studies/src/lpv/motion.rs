@@ -7,7 +7,7 @@ use deepshade::shared::figures::Figures;
 use deepshade_render::lpv::Scheme;
 use deepshade_render::lpv::scheme::Lookup;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::methods::lpv::in_medium::InMedium;
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::Planes;
@@ -41,7 +41,7 @@ impl Flicker {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, frames: usize) -> Result<Self> {
-        let method = ScreenMethod::new(gpu, InMedium::multiple(Parameters::of(Quality::Low)));
+        let method = ScreenMethod::new(gpu, InMedium::multiple(LpvParameters::of(Quality::Low)));
         let of = |moving: Moving| {
             let image = |frame: usize| {
                 let (scene, camera) = room::in_motion(moving, frame)?;
@@ -74,7 +74,8 @@ impl Leaks {
     pub fn of(gpu: &Gpu) -> Result<Self> {
         let of = |(name, lookup): (&'static str, Lookup)| {
             let scheme = Scheme { lookup, ..Scheme::OURS };
-            let method = ScreenMethod::new(gpu, Parameters { scheme, ..Parameters::of(Quality::Medium) });
+            let method =
+                ScreenMethod::new(gpu, LpvParameters { scheme, ..LpvParameters::of(Quality::Medium) });
             let (scene, cameras) = room::divided();
             let brightness =
                 |camera| Ok::<_, anyhow::Error>(room::image(&method, scene.clone(), camera, SIZE)?.mean());

@@ -7,7 +7,7 @@ use anyhow::Result;
 use deepshade::shared::figures::Figures;
 use deepshade_render::lpv::LightGrid;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::LpvParameters;
 use glam::Vec3;
 
 /// Cells along the scene.
@@ -45,7 +45,7 @@ impl Injections {
     /// # Errors
     /// If the device fails.
     pub fn of(subject: &Subject<'_>, runs: usize) -> Result<Self> {
-        let parameters = Parameters { cells: CELLS, iterations: 1, ..Parameters::of(Quality::Medium) };
+        let parameters = LpvParameters { cells: CELLS, iterations: 1, ..LpvParameters::of(Quality::Medium) };
         let grid = subject.grid(parameters);
         let (exact, _) = subject.reflective(EXACT, 1)?;
         let exact = injected(&grid, &exact);

@@ -9,7 +9,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::lpv::LightGrid;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::gpu_epipolar;
-use deepshade_render::methods::lpv::Parameters;
+use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::methods::lpv::in_medium::InMedium;
 use deepshade_render::methods::lpv::passes::Pixel;
 use deepshade_render::path::{self, Part, Sampling, Shot};
@@ -65,7 +65,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn plan(&self, parameters: Parameters) -> Result<Plan, GpuError> {
+    pub fn plan(&self, parameters: LpvParameters) -> Result<Plan, GpuError> {
         self.planned(&ScreenMethod::new(self.gpu, InMedium::multiple(parameters)))
     }
 
@@ -73,7 +73,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn multiple(&self, parameters: Parameters) -> Result<Planes, GpuError> {
+    pub fn multiple(&self, parameters: LpvParameters) -> Result<Planes, GpuError> {
         self.image(&self.plan(parameters)?)
     }
 
@@ -81,7 +81,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn indirect(&self, parameters: Parameters, pixel: Pixel) -> Result<Planes, GpuError> {
+    pub fn indirect(&self, parameters: LpvParameters, pixel: Pixel) -> Result<Planes, GpuError> {
         let method = ScreenMethod::new(self.gpu, InMedium::indirect_at(parameters, pixel));
         self.image(&self.planned(&method)?)
     }
@@ -91,7 +91,7 @@ impl<'a> Subject<'a> {
     /// # Errors
     /// If the device fails.
     pub fn single(&self) -> Result<Planes, GpuError> {
-        let parameters = gpu_epipolar::Parameters::of(Quality::High);
+        let parameters = gpu_epipolar::GpuEpipolarParameters::of(Quality::High);
         self.image(&self.planned(&ScreenMethod::new(self.gpu, parameters))?)
     }
 
@@ -114,7 +114,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The grid around the scene.
-    pub fn grid(&self, parameters: Parameters) -> LightGrid {
+    pub fn grid(&self, parameters: LpvParameters) -> LightGrid {
         parameters.grids(self.frame.world().bounds, self.view.camera.position)[0]
     }
 
@@ -122,7 +122,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn clear(&self, parameters: Parameters) -> Result<Plan, GpuError> {
+    pub fn clear(&self, parameters: LpvParameters) -> Result<Plan, GpuError> {
         self.planned(&ScreenMethod::new(self.gpu, parameters))
     }
 

@@ -11,8 +11,8 @@ use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::phosphor::Parameters;
-use deepshade_render::methods::phosphor::glassner::Parameters as Moments;
+use deepshade_render::methods::phosphor::RateEquationParameters;
+use deepshade_render::methods::phosphor::glassner::GlassnerParameters as Moments;
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
@@ -56,7 +56,7 @@ impl Contest {
         let scale = exposure(Effect::Phosphor, &truth);
         let right = exposed(&truth, scale);
         let error = |image: &Planes| relative_mse(&exposed(image, scale), &right);
-        let plan = subject.plan(&ScreenMethod::new(gpu, Parameters::of(Quality::High)))?;
+        let plan = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::of(Quality::High)))?;
         subject.make(moment - STEP, &[&plan])?;
         subject.make(moment, &[&plan])?;
         // Timing repeats the step.

@@ -10,8 +10,8 @@ use deepshade::shared::figures::Figures;
 use deepshade::shared::pictures::{shown, write_png};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::disks::Disks;
-use deepshade_render::methods::phosphor::Parameters;
-use deepshade_render::methods::phosphor::glassner::Parameters as Moments;
+use deepshade_render::methods::phosphor::RateEquationParameters;
+use deepshade_render::methods::phosphor::glassner::GlassnerParameters as Moments;
 use deepshade_render::methods::surfel;
 use deepshade_render::methods::surfel::indirect::{INDIRECT, KEPT_LIGHT};
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
@@ -71,8 +71,8 @@ impl Light {
 pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<Picture>> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut subject = Subject::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
-    let states = subject.plan(&ScreenMethod::new(gpu, Parameters::of(Quality::High)))?;
-    let by_surfels = surfel::Parameters::of(Quality::High);
+    let states = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::of(Quality::High)))?;
+    let by_surfels = surfel::SurfelParameters::of(Quality::High);
     let kept = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, KEPT_LIGHT)))?;
     let reflected = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, INDIRECT)))?;
     let [few, many] = rivals.map(|samples| subject.plan(&ScreenMethod::new(gpu, Moments { samples })));

@@ -6,7 +6,7 @@ use super::subject::Subject;
 use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
-use deepshade_render::methods::phosphor::Parameters;
+use deepshade_render::methods::phosphor::RateEquationParameters;
 use deepshade_render::screen::ScreenMethod;
 use deepshade_shaders::gpu::{self, Gpu};
 
@@ -38,7 +38,7 @@ impl Step {
         let (mut milliseconds, mut texels) = (0.0, 0);
         // Texels are as the square of how many are along the diagonal, but for rounding.
         for _ in 0..4 {
-            let plan = subject.plan(&ScreenMethod::new(gpu, Parameters::exact(across as u32)))?;
+            let plan = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::exact(across as u32)))?;
             subject.make(0.0, &[&plan])?;
             subject.make(1.0 / 60.0, &[&plan])?;
             (milliseconds, texels) = subject.step(&plan, runs)?;

@@ -93,10 +93,10 @@ impl<'a> Subject<'a> {
     /// If the device fails.
     pub fn area_error(&self, quality: Quality) -> Result<f64, GpuError> {
         let view = View { radius: EVERYWHERE * self.staged.diagonal, ..self.view };
-        let usual = surfel::Parameters::of(quality);
+        let usual = surfel::SurfelParameters::of(quality);
         let near = usual.surfels.near * self.view.radius / view.radius;
         let parameters =
-            surfel::Parameters { surfels: surfels::Parameters { near, ..usual.surfels }, ..usual };
+            surfel::SurfelParameters { surfels: surfels::SurfelDensity { near, ..usual.surfels }, ..usual };
         let method = ScreenMethod::new(self.gpu, Disks::new(parameters, surfel::occlusion::OCCLUSION));
         let plan = Plan::new(&method, &self.inputs(), &view)?;
         let found = self.surfel_area(&plan)?;

@@ -4,7 +4,7 @@
 use super::subject::Subject;
 use crate::stages::Cost;
 use deepshade_render::methods::disks::Disks;
-use deepshade_render::methods::surfel::{Parameters, occlusion::OCCLUSION};
+use deepshade_render::methods::surfel::{SurfelParameters, occlusion::OCCLUSION};
 use deepshade_render::screen::{Plan, ScreenMethod, upsampling};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Effect, Planes};
@@ -63,12 +63,12 @@ impl std::fmt::Display for Variant {
 pub fn run(
     gpu: &Gpu,
     [subject, half]: [&Subject<'_>; 2],
-    usual: Parameters,
+    usual: SurfelParameters,
     runs: usize,
 ) -> Result<Vec<Row>, GpuError> {
     let method = ScreenMethod::new(gpu, Disks::new(usual, OCCLUSION));
-    let flat = Parameters { levels: 1, ..usual };
-    let shaded = |subject: &Subject<'_>, parameters: Parameters| {
+    let flat = SurfelParameters { levels: 1, ..usual };
+    let shaded = |subject: &Subject<'_>, parameters: SurfelParameters| {
         let method = method.with(Disks::new(parameters, OCCLUSION));
         let plan = Plan::new(&method, &subject.inputs(), &subject.view)?;
         let cost = Cost::of(gpu, &plan, runs)?;
@@ -85,9 +85,10 @@ pub fn run(
     rows.push(Row { variant: Variant::HalfResolution, milliseconds: few + upsampling, difference });
     let mut levels = LEVELS.to_vec();
     levels.push(usual.levels);
-    let levels = levels.into_iter().map(|levels| (Variant::Levels(levels), Parameters { levels, ..usual }));
+    let levels =
+        levels.into_iter().map(|levels| (Variant::Levels(levels), SurfelParameters { levels, ..usual }));
     let thresholds =
-        THRESHOLDS.map(|threshold| (Variant::Threshold(threshold), Parameters { threshold, ..usual }));
+        THRESHOLDS.map(|threshold| (Variant::Threshold(threshold), SurfelParameters { threshold, ..usual }));
     for (variant, parameters) in levels.chain(thresholds) {
         let (plan, milliseconds) = shaded(subject, parameters)?;
         let difference = self::difference(&image(&plan)?, &wanted);
@@ -123,7 +124,7 @@ fn difference(a: &Planes, b: &Planes) -> f64 {
 }
 
 /// Milliseconds with every surfel on every pixel over those with as many levels as usual.
-pub fn ratio_fullres(rows: &[Row], usual: &Parameters) -> Option<f64> {
+pub fn ratio_fullres(rows: &[Row], usual: &SurfelParameters) -> Option<f64> {
     let of = |wanted: Variant| rows.iter().find(|row| row.variant == wanted).map(|row| row.milliseconds);
     Some(of(Variant::FullResolution)? / of(Variant::Levels(usual.levels))?)
 }

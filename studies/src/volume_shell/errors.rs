@@ -5,7 +5,7 @@ use super::subject::{Subject, error};
 use crate::stages::Stage;
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
-use deepshade_render::methods::volume_shell::{Improvement, Improvements, Parameters};
+use deepshade_render::methods::volume_shell::{Improvement, Improvements, VolumeShellParameters};
 use serde_json::{Value, json};
 
 /// The paper's thresholds.
@@ -40,14 +40,14 @@ impl Variant {
         [Self::Ours, Self::Paper].into_iter().chain(without).chain(THRESHOLDS.map(Self::Threshold))
     }
 
-    fn parameters(self, usual: Parameters) -> Parameters {
+    fn parameters(self, usual: VolumeShellParameters) -> VolumeShellParameters {
         match self {
             Self::Ours => usual,
-            Self::Paper => Parameters { improvements: Improvements::NONE, ..usual },
+            Self::Paper => VolumeShellParameters { improvements: Improvements::NONE, ..usual },
             Self::Without(improvement) => {
-                Parameters { improvements: usual.improvements.without(improvement), ..usual }
+                VolumeShellParameters { improvements: usual.improvements.without(improvement), ..usual }
             }
-            Self::Threshold(threshold) => Parameters { threshold, ..usual },
+            Self::Threshold(threshold) => VolumeShellParameters { threshold, ..usual },
         }
     }
 
@@ -78,7 +78,12 @@ impl Errors {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(subject: &Subject<'_>, usual: Parameters, samples: u32, runs: usize) -> Result<Self> {
+    pub fn of(
+        subject: &Subject<'_>,
+        usual: VolumeShellParameters,
+        samples: u32,
+        runs: usize,
+    ) -> Result<Self> {
         let truth = subject.truth(samples);
         let row = |variant: Variant| {
             let shaded = subject.shaded(variant.parameters(usual), runs)?;

@@ -7,7 +7,7 @@ use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
 use deepshade::shared::plot::{Line, Plot};
-use deepshade_render::methods::volume_shell::Parameters;
+use deepshade_render::methods::volume_shell::VolumeShellParameters;
 use deepshade_render::surfels;
 use deepshade_shaders::gpu::Gpu;
 use serde_json::{Value, json};
@@ -30,11 +30,11 @@ impl Scaling {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(gpu: &Gpu, finest: Size, usual: Parameters, runs: usize) -> Result<Self> {
+    pub fn of(gpu: &Gpu, finest: Size, usual: VolumeShellParameters, runs: usize) -> Result<Self> {
         let subject = Subject::new(gpu, finest.scaled(0.5))?;
         let surfels = measured(RADII, |radius| {
-            let surfels = surfels::Parameters { scale: radius * usual.surfels.scale, ..usual.surfels };
-            let cost = subject.shaded(Parameters { surfels, ..usual }, runs)?.cost;
+            let surfels = surfels::SurfelDensity { scale: radius * usual.surfels.scale, ..usual.surfels };
+            let cost = subject.shaded(VolumeShellParameters { surfels, ..usual }, runs)?.cost;
             Ok((f64::from(cost.surfels[0]), cost.of_stage(Stage::Splat)))
         })?;
         let pixels = measured(EDGES, |edge| {
@@ -43,7 +43,7 @@ impl Scaling {
             Ok(((size.width * size.height) as f64, cost.of_stage(Stage::Splat)))
         })?;
         let intervals = measured(SAMPLES, |samples| {
-            let cost = subject.shaded(Parameters { samples, ..usual }, runs)?.cost;
+            let cost = subject.shaded(VolumeShellParameters { samples, ..usual }, runs)?.cost;
             Ok((f64::from(samples - 1), cost.of_stage(Stage::Splat)))
         })?;
         Ok(Self([("surfels", surfels), ("pixels", pixels), ("intervals", intervals)]))

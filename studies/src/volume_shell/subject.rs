@@ -5,7 +5,7 @@ use crate::stages::{Cost, Stage};
 use anyhow::{Context, Result};
 use deepshade::shared::arguments::Size;
 use deepshade_render::bvh::TracedScene;
-use deepshade_render::methods::volume_shell::Parameters;
+use deepshade_render::methods::volume_shell::VolumeShellParameters;
 use deepshade_render::methods::volume_shell::direct::Direct;
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::path::{self, Sampling, Shot};
@@ -60,7 +60,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn shaded(&self, parameters: Parameters, runs: usize) -> Result<Shaded> {
+    pub fn shaded(&self, parameters: VolumeShellParameters, runs: usize) -> Result<Shaded> {
         let method = ScreenMethod::new(self.gpu, parameters);
         self.measured(&method, runs).context("volume-shell")
     }
@@ -69,7 +69,7 @@ impl<'a> Subject<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn direct(&self, parameters: Parameters, runs: usize) -> Result<f64> {
+    pub fn direct(&self, parameters: VolumeShellParameters, runs: usize) -> Result<f64> {
         let method = ScreenMethod::new(self.gpu, Direct(parameters));
         let shaded = self.measured(&method, runs).context("volume-shell of fog-direct")?;
         Ok(shaded.cost.of_stage(Stage::Direct))

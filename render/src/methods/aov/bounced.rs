@@ -15,18 +15,19 @@ const SLICE: u32 = 5;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct AovBouncedZParameters {
     /// Directions of a pixel, 1 to 16.
     #[schemars(range(min = 1, max = 16))]
     pub directions: u32,
     /// What brings neighbours' samples together.
-    pub filter: blur::Parameters,
+    pub filter: blur::BlurParameters,
 }
 
-impl Parameters {
+impl AovBouncedZParameters {
     /// Those of a quality: as many directions as the bounced z-buffer over surfels has.
     pub fn of(quality: Quality) -> Self {
-        let bounced_z::Parameters { directions, filter, .. } = bounced_z::Parameters::of(quality);
+        let bounced_z::BouncedZParameters { directions, filter, .. } =
+            bounced_z::BouncedZParameters::of(quality);
         Self { directions, filter }
     }
 
@@ -51,7 +52,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for AovBouncedZParameters {
     fn about(&self) -> About {
         About::beyond_screen(
             "aov-bounced-z",

@@ -1,6 +1,6 @@
 //! Both methods in plain Rust: every pixel and every ray against every facet, without a tree.
 
-use super::bounced::Parameters;
+use super::bounced::AovBouncedZParameters;
 use super::facets::patches_of_scene;
 use super::polygon::form_factor;
 use crate::methods::Surface;
@@ -120,7 +120,12 @@ fn samples(
 }
 
 /// Ambient occlusion by a bounced z-buffer, `[1, height, width]`.
-pub fn visible_sky(surface: &Surface, facets: &[Facet], parameters: &Parameters, view: &View) -> Planes {
+pub fn visible_sky(
+    surface: &Surface,
+    facets: &[Facet],
+    parameters: &AovBouncedZParameters,
+    view: &View,
+) -> Planes {
     let rays = parameters.rays(view);
     reconstruction(surface, &parameters.window(view), Effect::Ao, &Matte::all_over(surface), |at, matte| {
         samples(surface, facets, &rays, at, *matte)

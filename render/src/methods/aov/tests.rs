@@ -1,7 +1,7 @@
 //! Closed forms, what hides what, odd scenes, and the passes against the plain version.
 
 use super::Volumes;
-use super::bounced::Parameters;
+use super::bounced::AovBouncedZParameters;
 use super::reference::{Facet, MOST_HIDDEN, compensated, distance, facets, lifted, occluded};
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::bounced_z::reference::place_on_disk;
@@ -112,7 +112,7 @@ fn volumes() -> ScreenMethod {
 
 fn rays(quality: Quality) -> ScreenMethod {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    ScreenMethod::new(&gpu, Parameters::of(quality))
+    ScreenMethod::new(&gpu, AovBouncedZParameters::of(quality))
 }
 
 fn seen_on_floor(image: &[f32]) -> impl Iterator<Item = f32> {
@@ -203,11 +203,11 @@ fn the_passes_make_what_the_plain_version_does() {
 #[test]
 fn the_rays_meet_what_those_of_the_plain_version_do() {
     let mut method = rays(Quality::High);
-    let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
+    let filter = blur::BlurParameters { radius: 2, sharpness: 512.0 };
     for (family, [height, width], directions) in
         [(Family::StillLife, [27, 35], 3), (Family::Room, [24, 32], 16), (Family::Grove, [21, 43], 1)]
     {
-        method = method.with(Parameters { directions, filter });
+        method = method.with(AovBouncedZParameters { directions, filter });
         // A ray that just meets a triangle in one may just miss it in the other.
         prove_twin(&method, &seen(family, height, width), Tolerance { usual: 2e-3, worst: 0.1 });
     }

@@ -15,7 +15,7 @@ fn it_smooths_planes_and_keeps_steps() {
     let surface = Surface::of(&gbuffer).expect("all attributes");
     let high = |x: usize| surface.position.at(2, 20, x) > -4.5;
     let edge = (0..WIDTH).find(|x| high(*x)).expect("a plateau");
-    let parameters = Parameters { radius: 4, sharpness: 1024.0 };
+    let parameters = BlurParameters { radius: 4, sharpness: 1024.0 };
     for effect in [Effect::Ao, Effect::Gi] {
         let settings = parameters.settings(&view(HEIGHT, WIDTH, 1.0), effect);
         // Dark and light columns in turn on the floor, all light on the plateau; each channel half of the one before.
@@ -41,7 +41,7 @@ fn where_nothing_is_seen_is_the_background() {
         gbuffer_of(9, 9, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), Vec3::Z).filter(|(at, _)| at.x > 0.0));
     let surface = Surface::of(&gbuffer).expect("all attributes");
     for effect in [Effect::Ao, Effect::Gi] {
-        let settings = Parameters { radius: 4, sharpness: 1.0 }.settings(&view(9, 9, 1.0), effect);
+        let settings = BlurParameters { radius: 4, sharpness: 1.0 }.settings(&view(9, 9, 1.0), effect);
         let [_, image] = smooth(&surface, &settings, &Planes::filled(effect.channels(), 9, 9, 0.25));
         assert_eq!(Some(image.at(effect.channels() - 1, 4, 0)), effect.background());
         assert_eq!(image.at(0, 4, 8), 0.25);

@@ -1,7 +1,7 @@
 //! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest
 //! surfels send. Directions are spread as the lobe's visible microfacets mirror the eye's.
 
-use super::Parameters;
+use super::BouncedZParameters;
 use super::indirect::LIGHT;
 use super::passes::Rays;
 use super::reference::{Arriving, shade};
@@ -13,7 +13,7 @@ use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
 /// The effect `glossy`.
-pub const GLOSSY: DiskEffect<Parameters> = DiskEffect {
+pub const GLOSSY: DiskEffect<BouncedZParameters> = DiskEffect {
     effect: Effect::Glossy,
     attributes: lobe::ATTRIBUTES,
     lit: Some(Lit::Reflected),

@@ -3,7 +3,7 @@
 
 use super::passes::Rays;
 use super::reference::{Arriving, shade};
-use super::{Matte, Parameters};
+use super::{BouncedZParameters, Matte};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::methods::surfel::reference::sent;
 use crate::surfels::Lit;
@@ -18,7 +18,7 @@ pub const LIGHT: Arriving = Arriving {
 };
 
 /// The effect `gi`.
-pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
+pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {
     effect: Effect::Gi,
     attributes: SURFACE,
     lit: Some(Lit::Reflected),
@@ -34,5 +34,5 @@ pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
 };
 
 /// The effect `phosphor-gi`.
-pub const KEPT_LIGHT: DiskEffect<Parameters> =
+pub const KEPT_LIGHT: DiskEffect<BouncedZParameters> =
     DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };

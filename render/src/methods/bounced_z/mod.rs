@@ -60,9 +60,9 @@ pub const MOST_DIRECTIONS: u32 = 16;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct BouncedZParameters {
     /// How finely the scene is laid out.
-    pub surfels: surfels::Parameters,
+    pub surfels: surfels::SurfelDensity,
     /// The papers' epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
@@ -73,10 +73,10 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 16))]
     pub directions: u32,
     /// What brings neighbours' samples together.
-    pub filter: blur::Parameters,
+    pub filter: blur::BlurParameters,
 }
 
-impl Parameters {
+impl BouncedZParameters {
     /// Those of a quality: more directions, smaller surfels, and more of their effect on every pixel. On the six scenes of
     /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.172, 0.099 and 0.067.
     pub fn of(quality: Quality) -> Self {
@@ -87,11 +87,11 @@ impl Parameters {
             Quality::Ultra => (0.006, 0.005, 16, 4),
         };
         Self {
-            surfels: surfels::Parameters { scale, near: 0.25 },
+            surfels: surfels::SurfelDensity { scale, near: 0.25 },
             threshold,
             levels: 6,
             directions,
-            filter: blur::Parameters { radius, sharpness: 512.0 },
+            filter: blur::BlurParameters { radius, sharpness: 512.0 },
         }
     }
 
@@ -110,7 +110,7 @@ impl Parameters {
     }
 }
 
-impl ByDisks for Parameters {
+impl ByDisks for BouncedZParameters {
     const NAME: &'static str = "bounced-z";
     type Passes = passes::Rays;
 
@@ -123,7 +123,7 @@ impl ByDisks for Parameters {
         }
     }
 
-    fn surfels(&self) -> &surfels::Parameters {
+    fn surfels(&self) -> &surfels::SurfelDensity {
         &self.surfels
     }
 
@@ -138,7 +138,7 @@ impl ByDisks for Parameters {
 
 /// What the filter reads that brings together so many directions of each pixel.
 pub fn window(
-    filter: &blur::Parameters,
+    filter: &blur::BlurParameters,
     directions: u32,
     effect: Effect,
     view: &View,

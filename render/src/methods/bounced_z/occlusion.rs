@@ -2,7 +2,7 @@
 
 use super::passes::Rays;
 use super::reference::{Arriving, shade};
-use super::{Matte, Parameters};
+use super::{BouncedZParameters, Matte};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
@@ -13,7 +13,7 @@ pub const SKY: Arriving =
     Arriving { effect: Effect::Ao, of: |met, _| if met.is_some() { Vec3::ZERO } else { Vec3::ONE } };
 
 /// The effect `ao`.
-pub const OCCLUSION: DiskEffect<Parameters> = DiskEffect {
+pub const OCCLUSION: DiskEffect<BouncedZParameters> = DiskEffect {
     effect: Effect::Ao,
     attributes: SURFACE,
     lit: None,

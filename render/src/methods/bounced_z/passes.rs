@@ -1,6 +1,6 @@
 //! What runs on the GPU: surfels and their tree, the rays of every pixel, the filter.
 
-use super::Parameters;
+use super::BouncedZParameters;
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe;
 use crate::raster::groups;
@@ -23,7 +23,7 @@ pub struct Rays {
 }
 
 /// The contents of the passes' uniform buffers.
-pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
+pub fn uniforms(parameters: &BouncedZParameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
     let window = super::window(&parameters.filter, parameters.directions, effect, view);
     let own = [bytes_of(&parameters.bounces(view)).to_vec(), bytes_of(&window).to_vec()];
     frame::uniforms(&parameters.surfels, view).chain(own).collect()
@@ -34,7 +34,7 @@ pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec
 /// # Errors
 /// If there is no scene, or the device has no room for what lies between them.
 pub fn steps(
-    effect: &DiskEffect<Parameters>,
+    effect: &DiskEffect<BouncedZParameters>,
     directions: u32,
     to: &Resources<'_>,
 ) -> Result<Vec<MethodStep>, GpuError> {

@@ -1,6 +1,6 @@
 //! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and the filter.
 
-use super::{Parameters, Reflector};
+use super::{BouncedZParameters, Reflector};
 use crate::methods::Surface;
 use crate::methods::surfel::shells;
 use crate::screen::View;
@@ -138,7 +138,7 @@ pub fn shade<R: Reflector>(
     reflectors: &(impl Fn(IVec2) -> Option<R> + Sync),
     disks: &[Disk],
     arriving: Arriving,
-    (parameters, view): (&Parameters, &View),
+    (parameters, view): (&BouncedZParameters, &View),
 ) -> Planes {
     let bounces = parameters.bounces(view);
     let window = super::window(&parameters.filter, parameters.directions, arriving.effect, view);

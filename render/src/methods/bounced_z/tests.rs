@@ -3,7 +3,7 @@
 use super::indirect::{INDIRECT, LIGHT};
 use super::occlusion::{OCCLUSION, SKY};
 use super::reference::{Arriving, LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
-use super::{Matte, Parameters, Reflector};
+use super::{BouncedZParameters, Matte, Reflector};
 use crate::bvh::TracedScene;
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::disks::Disks;
@@ -25,12 +25,12 @@ use glam::{IVec2, UVec2, Vec3};
 use std::f32::consts::TAU;
 
 /// Every pixel meets all surfels and keeps its own samples.
-const PLAIN: Parameters = Parameters {
-    surfels: surfels::Parameters { scale: 0.02, near: 0.25 },
+const PLAIN: BouncedZParameters = BouncedZParameters {
+    surfels: surfels::SurfelDensity { scale: 0.02, near: 0.25 },
     threshold: 0.05,
     levels: 1,
     directions: 16,
-    filter: blur::Parameters { radius: 0, sharpness: 512.0 },
+    filter: blur::BlurParameters { radius: 0, sharpness: 512.0 },
 };
 
 #[test]
@@ -59,7 +59,7 @@ fn normals_of_surfels_are_rounded_by_less_than_the_least_angle_and_by_nearly_as_
 }
 
 /// Directions from points with a normal, of all pixels of an image of 32 x 32.
-fn directions(parameters: &Parameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
+fn directions(parameters: &BouncedZParameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
     let of_pixel = move |pixel| {
         (0..bounces.directions).map(move |number| {
@@ -92,7 +92,7 @@ fn directions_are_spread_by_their_cosine() {
 }
 
 /// What arrives on an upward surface at a point, the mean over the directions of many pixels.
-fn arriving(what: Arriving, disks: &[Disk], origin: Vec3, parameters: &Parameters) -> Vec3 {
+fn arriving(what: Arriving, disks: &[Disk], origin: Vec3, parameters: &BouncedZParameters) -> Vec3 {
     let bounces = parameters.bounces(&view(32, 32, 100.0));
     let radiance = |(pixel, direction)| {
         let ray = Ray { origin, normal: Vec3::Y, direction };
@@ -104,14 +104,14 @@ fn arriving(what: Arriving, disks: &[Disk], origin: Vec3, parameters: &Parameter
 
 /// A scene's disks for a camera above and before the origin, and the origin in that camera's space.
 fn laid(scene: &Scene, scale: f32) -> (Vec<Disk>, Vec3) {
-    let parameters = surfels::Parameters { scale, near: 0.01 };
+    let parameters = surfels::SurfelDensity { scale, near: 0.01 };
     let camera = Camera { position: Vec3::new(0.0, 0.5, 3.0), ..camera() };
     let view = View { camera, ..view(96, 128, 100.0) };
     (surfels::reference::surfels(scene, &parameters, &view), -camera.position)
 }
 
 /// The mean over the directions of so many pixels needs no more of each.
-const FEW: Parameters = Parameters { directions: 4, ..PLAIN };
+const FEW: BouncedZParameters = BouncedZParameters { directions: 4, ..PLAIN };
 
 /// Disks that cover a square of four metres to a side at a height, and send light downwards.
 fn sheet(height: f32, sent: f32) -> Vec<Disk> {
@@ -187,16 +187,16 @@ fn surfels_send_on_the_side_that_is_seen() {
 #[test]
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
-    let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
+    let fine = surfels::SurfelDensity { scale: 0.02, near: 0.01 };
     let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
-    let filter = blur::Parameters { radius: 2, sharpness: 512.0 };
+    let filter = blur::BlurParameters { radius: 2, sharpness: 512.0 };
     let image = shade(
         &surface,
         &Matte::all_over(&surface),
         &disks,
         LIGHT,
-        (&Parameters { directions: 4, filter, ..PLAIN }, &view),
+        (&BouncedZParameters { directions: 4, filter, ..PLAIN }, &view),
     );
     // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
     // its middle it is so within 4 %.
@@ -229,7 +229,7 @@ fn without_a_threshold_levels_change_nothing() {
             &Matte::all_over(&surface),
             &disks,
             SKY,
-            (&Parameters { threshold, levels, ..FEW }, &view),
+            (&BouncedZParameters { threshold, levels, ..FEW }, &view),
         )
     };
     let exact = shaded(0.05, 1);
@@ -251,7 +251,7 @@ fn the_filter_keeps_an_even_sky() {
         &Matte::all_over(&bumpy()),
         &[],
         SKY,
-        (&Parameters::of(Quality::High), &view(40, 56, 1.0)),
+        (&BouncedZParameters::of(Quality::High), &view(40, 56, 1.0)),
     );
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-5));
 }
@@ -266,13 +266,13 @@ fn the_filter_removes_noise() {
         .collect();
     let view = view(24, 32, 9.0);
     let shaded = |directions, radius| {
-        let filter = blur::Parameters { radius, sharpness: 512.0 };
+        let filter = blur::BlurParameters { radius, sharpness: 512.0 };
         shade(
             &surface,
             &Matte::all_over(&surface),
             &disks,
             SKY,
-            (&Parameters { directions, filter, ..PLAIN }, &view),
+            (&BouncedZParameters { directions, filter, ..PLAIN }, &view),
         )
     };
     let right = shaded(1024, 0);
@@ -284,14 +284,19 @@ fn the_filter_removes_noise() {
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let coarse = surfels::Parameters { scale: 0.05, near: 0.25 };
-    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
+    let coarse = surfels::SurfelDensity { scale: 0.05, near: 0.25 };
+    let mut method = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), OCCLUSION));
     for (family, [height, width], levels, directions) in [
         (Family::StillLife, [27, 35], 4, 3),
         (Family::Room, [24, 32], 1, 16),
         (Family::Shelves, [21, 43], 6, 1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, directions, ..Parameters::of(Quality::High) };
+        let parameters = BouncedZParameters {
+            surfels: coarse,
+            levels,
+            directions,
+            ..BouncedZParameters::of(Quality::High)
+        };
         method = method.with(Disks::new(parameters, OCCLUSION));
         // A ray that just meets a disk in one may just miss it in the other: 0.0047 on an H100.
         prove_twin(&method, &seen(family, height, width), Tolerance { usual: 5e-3, worst: 0.1 });
@@ -301,8 +306,8 @@ fn the_passes_make_what_the_plain_version_does() {
 #[test]
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfels = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels, levels: 4, ..Parameters::of(Quality::High) };
+    let surfels = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
+    let parameters = BouncedZParameters { surfels, levels: 4, ..BouncedZParameters::of(Quality::High) };
     let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
@@ -312,7 +317,7 @@ fn the_passes_light_as_the_plain_version_does() {
 fn where_nothing_is_met_all_is_open() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let (scene, view, gbuffer) = seen(Family::StillLife, 24, 32);
-    let method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
+    let method = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), OCCLUSION));
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
     let image = method.shade(&frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-6), "an effect that reaches nowhere");
@@ -334,10 +339,10 @@ fn it_is_nearer_to_truth_than_what_adds_all_surfels_up() {
         let off = |method: &dyn Method| {
             mean_difference(&method.shade(&frame, Repeats::ONCE).expect("an image").image, &truth)
         };
-        let bounced = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), OCCLUSION));
+        let bounced = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), OCCLUSION));
         let surfel = ScreenMethod::new(
             &gpu,
-            Disks::new(surfel::Parameters::of(Quality::High), surfel::occlusion::OCCLUSION),
+            Disks::new(surfel::SurfelParameters::of(Quality::High), surfel::occlusion::OCCLUSION),
         );
         let [near, far] = [off(&bounced), off(&surfel)];
         assert!(near < 0.09 && near < 0.7 * far, "{family:?}: {near} off, all surfels {far}");

@@ -56,7 +56,7 @@ use sweep::TreeSweep;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct EpipolarParameters {
     /// Light rays in a slice.
     #[schemars(range(min = 16, max = 16384))]
     pub light_rays: usize,
@@ -97,7 +97,7 @@ impl Terms {
     }
 }
 
-impl Parameters {
+impl EpipolarParameters {
     /// More time is more light rays and finer shadow maps.
     pub const fn of(quality: Quality) -> Self {
         let (light_rays, terms, shadow_size, steps) = match quality {
@@ -110,7 +110,7 @@ impl Parameters {
     }
 }
 
-impl Integration for Parameters {
+impl Integration for EpipolarParameters {
     const NAME: &'static str = "epipolar";
     const WANTS_EVEN_FOG: bool = true;
 

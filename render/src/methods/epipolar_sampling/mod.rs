@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct EpipolarSamplingParameters {
     /// Pixels from one that is marched to the next along a line without jumps.
     #[schemars(range(min = 1, max = 256), extend("unit" = "pixels"))]
     pub spacing: usize,
@@ -38,7 +38,7 @@ pub struct Parameters {
 /// Steps from each step of a march to the light, through grids.
 const LIGHT_STEPS: u32 = 16;
 
-impl Parameters {
+impl EpipolarSamplingParameters {
     /// More time is more marched pixels and more steps.
     pub const fn of(quality: Quality) -> Self {
         let (spacing, steps, shadow_size) = match quality {
@@ -51,7 +51,7 @@ impl Parameters {
     }
 }
 
-impl Integration for Parameters {
+impl Integration for EpipolarSamplingParameters {
     const NAME: &'static str = "epipolar-sampling";
     const WANTS_EVEN_FOG: bool = false;
 
@@ -76,7 +76,7 @@ impl Integration for Parameters {
     }
 }
 
-impl Parameters {
+impl EpipolarSamplingParameters {
     /// Radiance of the pixels of a line, in its order.
     ///
     /// Towards a local lamp radiance grows as one over the sine of the angle to it: what is interpolated is its product

@@ -25,13 +25,13 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct FogMarchParameters {
     /// Steps along each view ray, for each lamp.
     #[schemars(range(min = 1, max = 4096))]
     pub steps: u32,
 }
 
-impl Parameters {
+impl FogMarchParameters {
     /// More time is more steps.
     pub const fn of(quality: Quality) -> Self {
         let steps = match quality {
@@ -50,7 +50,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for FogMarchParameters {
     fn about(&self) -> About {
         About::beyond_screen("gpu-march", Effect::FogDirect, single_scattering::ATTRIBUTES)
     }

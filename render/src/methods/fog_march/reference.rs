@@ -1,6 +1,6 @@
 //! Steps along view rays in plain Rust: `methods/fog_march/march.wgsl`.
 
-use super::Parameters;
+use super::FogMarchParameters;
 use crate::bvh::TracedScene;
 use crate::methods::picture::every_pixel;
 use crate::methods::single_scattering::{LitMedium, distances, mean_decay};
@@ -69,7 +69,7 @@ impl Cut {
 pub fn shade(
     gbuffer: &GBuffer,
     scene: &TracedScene,
-    parameters: Parameters,
+    parameters: FogMarchParameters,
     view: &View,
 ) -> Result<Planes, MissingAttribute> {
     let (height, width) = (view.height, view.width);

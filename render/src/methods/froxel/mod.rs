@@ -28,7 +28,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct FroxelParameters {
     /// Pixels along an edge of a column; more where there would be no room for 32 slices.
     #[schemars(range(min = 1, max = 64), extend("unit" = "pixels"))]
     pub tile: usize,
@@ -49,7 +49,7 @@ const LEAST_SLICES: u32 = 32;
 /// After so many frames the places at which light is looked for begin anew.
 const FRAMES: u32 = 1024;
 
-impl Parameters {
+impl FroxelParameters {
     /// More time is more froxels; medium is about the 160 x 90 x 64 of the sources at 1280 x 720.
     pub const fn of(quality: Quality) -> Self {
         let (tile, slices, samples) = match quality {
@@ -98,7 +98,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for FroxelParameters {
     fn about(&self) -> About {
         About::beyond_screen("froxel", Effect::FogDirect, single_scattering::ATTRIBUTES)
     }

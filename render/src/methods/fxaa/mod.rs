@@ -33,7 +33,7 @@ const MOST_STEPS: usize = 12;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct FxaaParameters {
     /// Lengths of the steps of the search for an edge's end, pixels; where there are fewer than 12, zeros come last.
     pub search: [f32; MOST_STEPS],
     /// Contrast of luma, as a share of the brightest around, above which there is an edge.
@@ -47,7 +47,7 @@ pub struct Parameters {
     pub subpixel: f32,
 }
 
-impl Technique for Parameters {
+impl Technique for FxaaParameters {
     fn about(&self) -> About {
         About::on_screen("fxaa", Effect::Aa, &[Attribute::Light, Attribute::Valid])
     }
@@ -79,7 +79,7 @@ impl Technique for Parameters {
     }
 }
 
-/// Parameters of the passes for one frame, as the GPU reads them.
+/// FxaaParameters of the passes for one frame, as the GPU reads them.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// The blend.
@@ -88,7 +88,7 @@ pub struct Settings {
     pub lengths: [f32; MOST_STEPS],
 }
 
-impl Parameters {
+impl FxaaParameters {
     /// Those of a quality: presets 10, 12, 29 and 39 of the original, which differ in the steps of the search, and the
     /// contrasts that it calls low, default, more than enough and, for `Ultra`, every edge there is.
     ///

@@ -18,7 +18,7 @@ const WIDTH: usize = 61;
 /// Of radiances up to about 1. Rounding ends a search a step sooner or later in one pixel of 100.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-5, worst: 0.5 };
 
-fn smoothed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
+fn smoothed(gbuffer: &GBuffer, parameters: &FxaaParameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
     let [.., image] = reference::shade(&Picture::of(gbuffer).expect("a picture"), &settings);
     image
@@ -27,7 +27,7 @@ fn smoothed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
 #[test]
 fn what_is_flat_stays_bit_for_bit() {
     let colour = Vec3::new(0.3, 7.7, 1e-3);
-    let flat = smoothed(&picture_of(HEIGHT, WIDTH, |_| Some(colour)), &Parameters::of(Quality::High));
+    let flat = smoothed(&picture_of(HEIGHT, WIDTH, |_| Some(colour)), &FxaaParameters::of(Quality::High));
     assert_eq!(flat, Planes::from_fn(3, HEIGHT, WIDTH, |c, _, _| colour[c]));
 }
 
@@ -54,7 +54,7 @@ fn edges_along_rows_and_columns_stay_almost_as_they_are() {
     let row = picture_of(HEIGHT, WIDTH, step(20.0, 0.0));
     let column = picture_of(HEIGHT, WIDTH, |at| step(20.0, 0.0)(IVec2::new(at.y, at.x)));
     for sharp in [row, column] {
-        let image = smoothed(&sharp, &Parameters::of(Quality::High));
+        let image = smoothed(&sharp, &FxaaParameters::of(Quality::High));
         let light = sharp.select(&[Attribute::Light]).expect("light");
         let worst = image.data().iter().zip(light.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         // A third of the range from its neighbours' mean: smoothstep(1/3)^2 = 0.067 of `subpixel`.
@@ -66,7 +66,7 @@ fn edges_along_rows_and_columns_stay_almost_as_they_are() {
 fn a_slanted_edge_becomes_a_ramp_near_to_its_coverage() {
     for (height, slope) in [(14.3, 0.11), (12.0, 0.23), (30.7, -0.171)] {
         let sharp = picture_of(HEIGHT, WIDTH, step(height, slope));
-        let image = smoothed(&sharp, &Parameters::of(Quality::Ultra));
+        let image = smoothed(&sharp, &FxaaParameters::of(Quality::Ultra));
         let light = sharp.select(&[Attribute::Light]).expect("light");
         let off = |image: &Planes| {
             let off = every_pixel(HEIGHT, WIDTH, |at| {
@@ -87,7 +87,7 @@ fn a_slanted_edge_becomes_a_ramp_near_to_its_coverage() {
 #[test]
 fn a_brighter_picture_gives_the_same_brighter() {
     let gbuffer = lit_still_life(HEIGHT, WIDTH);
-    let parameters = Parameters { least_contrast: 0.0, ..Parameters::of(Quality::High) };
+    let parameters = FxaaParameters { least_contrast: 0.0, ..FxaaParameters::of(Quality::High) };
     let image = smoothed(&gbuffer, &parameters);
     let brighter = picture_of(HEIGHT, WIDTH, |at| {
         let light = Picture::of(&gbuffer).expect("a picture").light_at(at);
@@ -102,13 +102,13 @@ fn a_brighter_picture_gives_the_same_brighter() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
-    let blurry = Parameters { subpixel: 1.0, contrast: 0.05, ..Parameters::of(Quality::Low) };
+    let fxaa = ScreenMethod::new(&gpu, FxaaParameters::of(Quality::High));
+    let blurry = FxaaParameters { subpixel: 1.0, contrast: 0.05, ..FxaaParameters::of(Quality::Low) };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
+        (HEIGHT, WIDTH, FxaaParameters::of(Quality::High)),
         (HEIGHT, WIDTH, blurry),
-        (1, 1, Parameters::of(Quality::High)),
-        (17, 5, Parameters::of(Quality::Ultra)),
+        (1, 1, FxaaParameters::of(Quality::High)),
+        (17, 5, FxaaParameters::of(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
         prove_twin(&fxaa.with(parameters), &lit_still_life(height, width), None, &view, TOLERANCE);
@@ -119,7 +119,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&smoothed(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
+    prove_comparator(
+        &smoothed(&lit_still_life(HEIGHT, WIDTH), &FxaaParameters::of(Quality::High)),
+        TOLERANCE,
+    );
 }
 
 #[test]
@@ -129,7 +132,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, &[Attribute::Light, Attribute::Valid]);
     let truth = path::render(Effect::Aa, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fxaa = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let fxaa = ScreenMethod::new(&gpu, FxaaParameters::of(Quality::High));
     let image = crate::methods::proving::on_gpu(&fxaa, &gbuffer, None, &view);
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let error = |image: &Planes| crate::metrics::relative_mse(image, &truth);

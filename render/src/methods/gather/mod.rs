@@ -26,13 +26,13 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct GatherParameters {
     /// Samples of each colour of a pixel, at least 1.
     #[schemars(range(min = 1, max = 4096))]
     pub samples: u32,
 }
 
-impl Technique for Parameters {
+impl Technique for GatherParameters {
     fn about(&self) -> About {
         About::on_screen(
             "gather",
@@ -67,7 +67,7 @@ impl Technique for Parameters {
     }
 }
 
-impl Parameters {
+impl GatherParameters {
     /// Those of a quality: four times as many samples have half the noise.
     ///
     /// Tried on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves, cities):

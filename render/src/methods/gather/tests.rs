@@ -24,7 +24,7 @@ const WIDTH: usize = 61;
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 fn scattered(gbuffer: &GBuffer, samples: u32) -> Planes {
-    let settings = Parameters { samples }.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
+    let settings = GatherParameters { samples }.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
     let [.., image] = reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings);
     image
 }
@@ -46,7 +46,7 @@ fn areas_are_those_of_slanted_planes() {
         let normal = normal.normalize();
         let gbuffer = gbuffer_of(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal));
         let surface = Translucent::of(&with_light(&gbuffer)).expect("all attributes");
-        let settings = Parameters::of(Quality::High).settings(&view(HEIGHT, WIDTH, 1.0));
+        let settings = GatherParameters::of(Quality::High).settings(&view(HEIGHT, WIDTH, 1.0));
         for at in [IVec2::new(30, 21), IVec2::new(20, 25), IVec2::new(45, 30)] {
             let (x, y) = (IVec2::X, IVec2::Y);
             // The parallelogram between the pixels on either side, four times the area.
@@ -112,11 +112,11 @@ fn without_a_mean_free_path_the_picture_stays_bit_for_bit() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let method = ScreenMethod::new(&gpu, GatherParameters::of(Quality::High));
     for (height, width, samples) in [(HEIGHT, WIDTH, 128), (HEIGHT, WIDTH, 5), (1, 1, 16), (17, 5, 512)] {
         let view = view(height, width, 1.0);
         prove_twin(
-            &method.with(Parameters { samples }),
+            &method.with(GatherParameters { samples }),
             &lit_still_life(height, width),
             None,
             &view,
@@ -160,11 +160,11 @@ fn many_samples_become_truth() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let method = ScreenMethod::new(&gpu, GatherParameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &view.camera, 48, 64, method.attributes());
     let sharp = relative_mse(&gbuffer.select(&[Attribute::Light]).expect("light"), &truth);
     let errors = [8, 64, 512, 4096].map(|samples| {
-        let image = on_gpu(&method.with(Parameters { samples }), &gbuffer, None, &view);
+        let image = on_gpu(&method.with(GatherParameters { samples }), &gbuffer, None, &view);
         relative_mse(&image, &truth) / sharp
     });
     assert!(errors.windows(2).all(|pair| pair[1] < 0.3 * pair[0]), "{errors:?} of {sharp}");
@@ -177,9 +177,9 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let method = ScreenMethod::new(&gpu, GatherParameters::of(Quality::High));
     let error = |samples: u32| {
-        relative_mse(&on_gpu(&method.with(Parameters { samples }), &gbuffer, None, &view), &truth)
+        relative_mse(&on_gpu(&method.with(GatherParameters { samples }), &gbuffer, None, &view), &truth)
     };
     let sharp = relative_mse(&gbuffer.select(&[Attribute::Light]).expect("light"), &truth);
     let errors = [8, 128, 512].map(error);

@@ -44,7 +44,7 @@ const ROOM: usize = 128 << 20;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct GpuEpipolarParameters {
     /// Light rays in a slice; fewer where there would be no room.
     #[schemars(range(min = 16, max = 8192))]
     pub light_rays: usize,
@@ -56,7 +56,7 @@ pub struct Parameters {
     pub steps: u32,
 }
 
-impl Parameters {
+impl GpuEpipolarParameters {
     /// More time is more light rays.
     pub const fn of(quality: Quality) -> Self {
         let (light_rays, steps) = match quality {
@@ -94,7 +94,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for GpuEpipolarParameters {
     fn about(&self) -> About {
         About {
             wants_even_fog: true,

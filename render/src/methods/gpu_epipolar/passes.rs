@@ -1,6 +1,6 @@
 //! What runs on the GPU, for each lamp: lines, the bounds of light rays, their ends, sums, the image, and what is marched of it.
 
-use super::{LEVELS, Parameters};
+use super::{GpuEpipolarParameters, LEVELS};
 use crate::methods::shafts::UNEVEN;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
@@ -34,13 +34,13 @@ struct Binding<'a> {
 ///
 /// # Errors
 /// If there is no scene, its medium is a grid, or the device has no room.
-pub fn steps(parameters: Parameters, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+pub fn steps(parameters: GpuEpipolarParameters, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
     let (device, world) = (to.device, to.scene()?);
     if world.medium.kind == MediumOnGpu::GRID {
         return Err(GpuError::Refused { label: "medium".to_owned(), what: UNEVEN.to_owned() });
     }
     let size @ [height, width] = to.size();
-    let (lines, rays) = (Parameters::lines(size), parameters.rays(size));
+    let (lines, rays) = (GpuEpipolarParameters::lines(size), parameters.rays(size));
     let counted = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
     let room = Room {
         lines: gpu::filled(device, "epipolar.lines", &vec![0; 4 * (2 * (height + width) + 6)], counted)?,

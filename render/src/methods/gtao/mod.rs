@@ -28,14 +28,14 @@ use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct GtaoParameters {
     /// The march.
-    pub slices: slices::Parameters,
+    pub slices: slices::SliceParameters,
     /// What removes its noise.
-    pub blur: blur::Parameters,
+    pub blur: blur::BlurParameters,
 }
 
-impl Parameters {
+impl GtaoParameters {
     /// Those of a quality: more slices and steps leave less noise to the blur, and miss less.
     ///
     /// Swept on room, colonnade, still life, machinery, stairs and shelves at 176x120 with radii of 4 and 10 % of the
@@ -50,13 +50,13 @@ impl Parameters {
             Quality::Ultra => (24, 48, 1),
         };
         Self {
-            slices: slices::Parameters { slices, steps, thickness: 0.3 },
-            blur: blur::Parameters { radius: blur_radius, sharpness: 1024.0 },
+            slices: slices::SliceParameters { slices, steps, thickness: 0.3 },
+            blur: blur::BlurParameters { radius: blur_radius, sharpness: 1024.0 },
         }
     }
 }
 
-impl Marched for Parameters {
+impl Marched for GtaoParameters {
     const NAME: &'static str = "gtao";
     const EFFECT: Effect = Effect::Ao;
     const SHADER: Shader = Shader::at("methods/gtao/occlusion");
@@ -66,7 +66,7 @@ impl Marched for Parameters {
         self.slices.settings(view)
     }
 
-    fn blur(&self) -> blur::Parameters {
+    fn blur(&self) -> blur::BlurParameters {
         self.blur
     }
 

@@ -23,10 +23,10 @@ const WIDTH: usize = 61;
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 
 /// Many samples, no blur: the integral itself.
-fn plain(thickness: f32) -> Parameters {
-    Parameters {
-        slices: slices::Parameters { slices: 64, steps: 1000, thickness },
-        blur: blur::Parameters { radius: 0, sharpness: 1.0 },
+fn plain(thickness: f32) -> GtaoParameters {
+    GtaoParameters {
+        slices: slices::SliceParameters { slices: 64, steps: 1000, thickness },
+        blur: blur::BlurParameters { radius: 0, sharpness: 1.0 },
     }
 }
 
@@ -34,11 +34,11 @@ fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3
     Surface::of(&gbuffer_of(height, width, hit)).expect("all attributes")
 }
 
-fn openness(surface: &Surface, parameters: &Parameters, radius: f32) -> Planes {
+fn openness(surface: &Surface, parameters: &GtaoParameters, radius: f32) -> Planes {
     seen_openness(surface, parameters, &view(surface.height, surface.width, radius))
 }
 
-fn seen_openness(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
+fn seen_openness(surface: &Surface, parameters: &GtaoParameters, view: &View) -> Planes {
     let noisy = reference::occlude(surface, &parameters.march(view));
     let [.., image] = blurred(parameters, surface, view, noisy);
     image
@@ -48,7 +48,7 @@ fn seen_openness(surface: &Surface, parameters: &Parameters, view: &View) -> Pla
 fn a_plane_is_open_however_it_is_tilted() {
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(-2.0, 1.0, 1.0), Vec3::new(0.0, 6.0, 1.0)] {
         let surface = surface(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
-        for parameters in [plain(0.3), Parameters::of(Quality::Low)] {
+        for parameters in [plain(0.3), GtaoParameters::of(Quality::Low)] {
             let openness = openness(&surface, &parameters, 1.5);
             let darkest = openness.data().iter().fold(1.0f32, |a, b| a.min(*b));
             assert!(darkest > 0.999, "normal {normal}: {darkest}");
@@ -97,7 +97,7 @@ fn a_sphere_on_a_plane_has_its_integral() {
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let openness = openness(&surface, &Parameters::of(Quality::High), 1.0);
+    let openness = openness(&surface, &GtaoParameters::of(Quality::High), 1.0);
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
     assert!(sky.len() > 100 && sky.iter().all(|i| openness.data()[*i] == 1.0));
@@ -108,7 +108,7 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let gtao = ScreenMethod::new(&gpu, GtaoParameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
@@ -116,7 +116,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
         (17, 5, Quality::Ultra, 0.4),
     ] {
         let view = view(height, width, radius);
-        let gtao = gtao.with(Parameters::of(quality));
+        let gtao = gtao.with(GtaoParameters::of(quality));
         prove_twin(&gtao, &still_life(height, width), None, &view, TOLERANCE);
     }
     let (_, view, gbuffer) = everything(37, 50);
@@ -126,10 +126,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let right = openness(&surface, &Parameters::of(Quality::High), 1.0);
+    let right = openness(&surface, &GtaoParameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = seen_openness(&surface, &Parameters::of(Quality::High), &view);
+    let reseeded = seen_openness(&surface, &GtaoParameters::of(Quality::High), &view);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
@@ -138,7 +138,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     let (scene, radius) = (corner(), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let gtao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let gtao = ScreenMethod::new(&gpu, GtaoParameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, gtao.attributes());
     let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
     let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;

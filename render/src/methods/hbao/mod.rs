@@ -29,7 +29,7 @@ use deepshade_shaders::{Effect, MissingAttribute, Planes};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct HbaoParameters {
     /// Radius that is marched over the radius of the effect. Above 1 it makes up for the attenuation.
     #[schemars(range(min = 0.1, max = 4.0))]
     pub radius_scale: f32,
@@ -54,7 +54,7 @@ pub struct Parameters {
     pub blur_sharpness: f32,
 }
 
-impl Parameters {
+impl HbaoParameters {
     /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur. The thesis has 16
     /// directions of 24 steps (7.4); the rest is what `deepshade tune` found best on validation views of
     /// `dataset/recipes/ao-thesis.toml`.
@@ -77,7 +77,7 @@ impl Parameters {
     }
 }
 
-impl Marched for Parameters {
+impl Marched for HbaoParameters {
     const NAME: &'static str = "hbao";
     const EFFECT: Effect = Effect::Ao;
     const SHADER: Shader = Shader::at("methods/hbao/occlusion");
@@ -99,8 +99,8 @@ impl Marched for Parameters {
         }
     }
 
-    fn blur(&self) -> blur::Parameters {
-        blur::Parameters { radius: self.blur_radius, sharpness: self.blur_sharpness }
+    fn blur(&self) -> blur::BlurParameters {
+        blur::BlurParameters { radius: self.blur_radius, sharpness: self.blur_sharpness }
     }
 
     fn noisy(

@@ -18,7 +18,7 @@ const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
 /// No blur and no bias: the integral itself.
-const PLAIN: Parameters = Parameters {
+const PLAIN: HbaoParameters = HbaoParameters {
     radius_scale: 1.0,
     bias: 0.0,
     strength: 1.0,
@@ -35,7 +35,7 @@ fn surface(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3
     Surface::of(&gbuffer_of(height, width, hit)).expect("all attributes")
 }
 
-fn openness(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
+fn openness(surface: &Surface, parameters: &HbaoParameters, view: &View) -> Planes {
     let noisy = reference::occlude(surface, &parameters.march(view));
     let [.., image] = blurred(parameters, surface, view, noisy);
     image
@@ -63,7 +63,7 @@ fn a_step_occludes_as_its_integral_says() {
         let high = plane(ray, Vec3::new(0.0, 0.0, floor + rise), Vec3::Z).filter(|(at, _)| at.x > 0.3);
         nearest([low, high])
     });
-    let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
+    let parameters = HbaoParameters { directions: 64, steps: 1000, ..PLAIN };
     let openness = openness(&surface, &parameters, &view(surface.height, surface.width, radius));
     let mut compared = 0;
     for x in 0..width {
@@ -99,7 +99,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
         let wall = |normal: Vec3| plane(ray, Vec3::new(0.0, 0.0, -5.0), normal.normalize());
         nearest([wall(Vec3::new(1.0, 0.0, 1.0)), wall(Vec3::new(-1.0, 0.0, 1.0))])
     });
-    let parameters = Parameters { directions: 64, steps: 1000, ..PLAIN };
+    let parameters = HbaoParameters { directions: 64, steps: 1000, ..PLAIN };
     let openness = openness(&surface, &parameters, &view(surface.height, surface.width, 1.2));
     let row: Vec<f32> = (0..=size / 2).map(|x| openness.at(0, size / 2, x)).collect();
     let corner = row[size / 2];
@@ -114,7 +114,7 @@ fn a_corner_darkens_steadily_from_open_to_half() {
 #[test]
 fn openness_is_in_range_and_one_where_nothing_is_seen() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let parameters = Parameters { strength: 3.0, ..Parameters::of(Quality::High) };
+    let parameters = HbaoParameters { strength: 3.0, ..HbaoParameters::of(Quality::High) };
     let openness = openness(&surface, &parameters, &view(surface.height, surface.width, 1.0));
     assert!(openness.data().iter().all(|value| (0.0..=1.0).contains(value)));
     let sky: Vec<usize> = (0..HEIGHT * WIDTH).filter(|i| surface.valid.data()[*i] == 0.0).collect();
@@ -127,18 +127,18 @@ fn openness_is_in_range_and_one_where_nothing_is_seen() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let hbao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
-    let coarse = Parameters {
+    let hbao = ScreenMethod::new(&gpu, HbaoParameters::of(Quality::High));
+    let coarse = HbaoParameters {
         directions: 5,
         steps: 7,
         strength: 1.7,
         blur_radius: 0,
-        ..Parameters::of(Quality::High)
+        ..HbaoParameters::of(Quality::High)
     };
     for (height, width, parameters, radius) in [
-        (HEIGHT, WIDTH, Parameters::of(Quality::High), 1.0),
+        (HEIGHT, WIDTH, HbaoParameters::of(Quality::High), 1.0),
         (HEIGHT, WIDTH, coarse, 3.0),
-        (1, 1, Parameters::of(Quality::High), 1.0),
+        (1, 1, HbaoParameters::of(Quality::High), 1.0),
         (17, 5, coarse, 0.4),
     ] {
         let view = view(height, width, radius);
@@ -149,10 +149,11 @@ fn gpu_and_reference_agree_at_every_pixel() {
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let right = openness(&surface, &Parameters::of(Quality::High), &view(surface.height, surface.width, 1.0));
+    let right =
+        openness(&surface, &HbaoParameters::of(Quality::High), &view(surface.height, surface.width, 1.0));
     prove_comparator(&right, TOLERANCE);
     let view = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = openness(&surface, &Parameters::of(Quality::High), &view);
+    let reseeded = openness(&surface, &HbaoParameters::of(Quality::High), &view);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
@@ -170,7 +171,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     let shot = Shot::new(&scene, &camera, [HEIGHT, WIDTH], radius);
     let truth = path::render(Effect::Ao, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let hbao = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let hbao = ScreenMethod::new(&gpu, HbaoParameters::of(Quality::High));
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };
     let shaded = hbao.shade(&frame, Repeats { warm_up: 1, timed: 3 }).expect("runs");
     let error = |image: &Planes| -> f32 {
@@ -181,7 +182,7 @@ fn the_method_is_nearer_to_truth_than_white() {
     assert!(white > 0.03 && found < 0.5 * white, "white {white}, hbao {found}");
     assert!(shaded.milliseconds > 0.0);
 
-    let faint = hbao.with(Parameters { strength: 0.0, ..Parameters::of(Quality::High) });
+    let faint = hbao.with(HbaoParameters { strength: 0.0, ..HbaoParameters::of(Quality::High) });
     let faint = faint.shade(&frame, Repeats::ONCE).expect("runs").image;
     // The blur divides by its weights, and GPUs divide to the last digits only nearly.
     assert!(faint.data().iter().all(|value| (value - 1.0).abs() < 1e-6), "no strength, no occlusion");

@@ -1,7 +1,7 @@
 //! Light in a medium by the grid: `fog-indirect`, which one surface throws into it, and `fog-multiple`, all that went
 //! another way with the medium in it but for single scattering.
 
-use super::Parameters;
+use super::LpvParameters;
 use super::lit_volume::LitVolumes;
 use super::passes::{self, Filled, Pixel, Shown};
 use super::reference;
@@ -15,7 +15,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 /// What of light in a medium is shown where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InMedium {
-    parameters: Parameters,
+    parameters: LpvParameters,
     light: Shown,
     pixel: Pixel,
 }
@@ -23,17 +23,17 @@ pub struct InMedium {
 impl InMedium {
     /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have reflected,
     /// shown by the medium: `fog-multiple`.
-    pub const fn multiple(parameters: Parameters) -> Self {
+    pub const fn multiple(parameters: LpvParameters) -> Self {
         Self { parameters, light: Shown::Multiple, pixel: Pixel { medium: true, surface: true } }
     }
 
     /// Light that one surface has reflected and that was not scattered yet, shown by the medium: `fog-indirect`.
-    pub const fn indirect(parameters: Parameters) -> Self {
+    pub const fn indirect(parameters: LpvParameters) -> Self {
         Self::indirect_at(parameters, Pixel { medium: true, surface: false })
     }
 
     /// The same, shown by what is said.
-    pub const fn indirect_at(parameters: Parameters, pixel: Pixel) -> Self {
+    pub const fn indirect_at(parameters: LpvParameters, pixel: Pixel) -> Self {
         Self { parameters, light: Shown::Reflected { by_surfaces: pixel.surface }, pixel }
     }
 }

@@ -1,6 +1,6 @@
 //! Volumes in plain Rust, filled with a scene's light, which has been handed on, and what it is at a point.
 
-use super::Parameters;
+use super::LpvParameters;
 use super::passes::{Filled, Shines, surfel_settings};
 use super::room::EMITTED;
 use crate::bvh::TracedScene;
@@ -45,7 +45,7 @@ struct Source<'a> {
     /// The cells of a medium that gives back light, if it does.
     cells: Option<PlainCells<'a>>,
     view: &'a View,
-    parameters: Parameters,
+    parameters: LpvParameters,
     filled: Filled,
     reach: f32,
 }
@@ -58,7 +58,13 @@ struct Level {
 
 impl LitVolumes {
     /// Those of a scene, of light that goes no farther than `reach`, metres.
-    pub fn new(scene: &TracedScene, parameters: Parameters, view: &View, filled: Filled, reach: f32) -> Self {
+    pub fn new(
+        scene: &TracedScene,
+        parameters: LpvParameters,
+        view: &View,
+        filled: Filled,
+        reach: f32,
+    ) -> Self {
         let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
         let patches = patches::of_scene(scene.scene());
         let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);

@@ -58,7 +58,7 @@ use passes::Filled;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct LpvParameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
@@ -78,7 +78,7 @@ pub struct Parameters {
     pub scheme: Scheme,
 }
 
-impl Parameters {
+impl LpvParameters {
     /// More time is more cells, and iterations for light to cross them three times: after one crossing of a closed room in fog
     /// half of the light is still on its way.
     pub const fn of(quality: Quality) -> Self {
@@ -99,7 +99,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for LpvParameters {
     fn about(&self) -> About {
         About::beyond_screen("lpv", Effect::Gi, &[Attribute::Position, Attribute::Normal, Attribute::Valid])
     }
@@ -119,7 +119,7 @@ impl Technique for Parameters {
 
 /// Diffuse light of phosphorescence by the grid: its only light is what surfels give back of light that they kept.
 #[derive(Clone, Copy, Debug)]
-pub struct KeptLight(pub Parameters);
+pub struct KeptLight(pub LpvParameters);
 
 impl Technique for KeptLight {
     fn about(&self) -> About {

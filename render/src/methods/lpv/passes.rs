@@ -1,6 +1,6 @@
 //! What runs on the GPU: surfels, their light and what they block; the medium; light on its way; and what is lit by it.
 
-use super::Parameters;
+use super::LpvParameters;
 use super::room::{self, Nesting, Room};
 use super::shining::Shining;
 use super::shown::VolumeOnGpu;
@@ -129,7 +129,7 @@ pub fn surfel_settings(cell: f32, bounds: Bounds) -> uniforms::Surfels {
 /// If there is no scene, or the device has no room.
 pub fn volume_steps(
     to: &Resources<'_>,
-    parameters: Parameters,
+    parameters: LpvParameters,
     filled: Filled,
 ) -> Result<(Vec<VolumeOnGpu>, Vec<MethodStep>), GpuError> {
     let (device, world) = (to.device, to.scene()?);
@@ -167,7 +167,7 @@ pub fn volume_steps(
 /// As [`volume_steps`].
 pub fn lit_steps(
     to: &Resources<'_>,
-    parameters: Parameters,
+    parameters: LpvParameters,
     filled: Filled,
 ) -> Result<Vec<MethodStep>, GpuError> {
     let (volumes, mut steps) = volume_steps(to, parameters, filled)?;
@@ -185,7 +185,7 @@ fn level_steps(
     surfels: &Surfels,
     room: Room,
     outside: Option<&Level>,
-    (parameters, filled): (Parameters, Filled),
+    (parameters, filled): (LpvParameters, Filled),
 ) -> Result<(Level, Vec<MethodStep>), GpuError> {
     let mut steps = injection(device, frame, surfels, &room)?;
     if filled.has_medium() {

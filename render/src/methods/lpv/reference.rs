@@ -1,6 +1,6 @@
 //! Pixels lit by volumes in plain Rust, with exact shadows: what the passes of `methods/lpv` do.
 
-use super::Parameters;
+use super::LpvParameters;
 use super::lit_volume::{LitVolume, LitVolumes};
 use super::passes::{Filled, Pixel};
 use crate::methods::picture::every_pixel;
@@ -44,7 +44,7 @@ fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>
 pub fn lit_image(
     inputs: &PlainInputs<'_>,
     view: &View,
-    parameters: Parameters,
+    parameters: LpvParameters,
     filled: Filled,
 ) -> Result<Written, MissingAttribute> {
     let shaded = |scene| {
@@ -76,7 +76,7 @@ pub fn shade(
     gbuffer: &GBuffer,
     volumes: &LitVolumes,
     medium: &Medium,
-    parameters: Parameters,
+    parameters: LpvParameters,
     (shown, view): (Pixel, &View),
 ) -> Result<Planes, MissingAttribute> {
     let seen = seen(gbuffer, view, true)?;
@@ -112,7 +112,7 @@ impl Marched {
         seen: &[Option<Seen>],
         volumes: &LitVolumes,
         medium: &Medium,
-        Parameters { steps, scale, .. }: Parameters,
+        LpvParameters { steps, scale, .. }: LpvParameters,
         view: &View,
     ) -> Self {
         let eye = view.camera.position;

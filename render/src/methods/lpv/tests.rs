@@ -28,8 +28,8 @@ use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Vec3, Vec4};
 use room::{fog, from_a_corner, shining};
 
-const FEW: Parameters =
-    Parameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
+const FEW: LpvParameters =
+    LpvParameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
 const THREE_BANDS: Scheme = Scheme { lobes: Lobes::ThreeBands, ..Scheme::OURS };
 
 /// Shadow maps end within a texel of where shadows do.
@@ -68,7 +68,7 @@ fn a_medium_is_lit_as_the_plain_version_has_it() {
 }
 
 /// A plan of such light in a medium that has run twice, and its image, which is the same both times.
-fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters: Parameters) -> Plan {
+fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters: LpvParameters) -> Plan {
     let method: ScreenMethod = match light {
         Shown::Multiple => ScreenMethod::new(gpu, InMedium::multiple(parameters)),
         Shown::Reflected { by_surfaces } => {
@@ -126,12 +126,12 @@ fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
 }
 
 /// How far what the passes show of a frame is from what the plain version makes of the same start, over the grid's maximum.
-fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: Parameters) -> f32 {
+fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: LpvParameters) -> f32 {
     let (scene, scheme) = (frame.0.scene(), parameters.scheme);
     let grid = LightGrid::around(scene.bounds(), parameters.cells);
     let cells = grid.cells();
     let kinds = Filled::Medium(light).kinds();
-    let start = run_twice(gpu, frame, light, Parameters { iterations: 0, ..parameters });
+    let start = run_twice(gpu, frame, light, LpvParameters { iterations: 0, ..parameters });
     let links: Vec<[u32; 4]> = written(gpu, &start, "lpv.links");
     let byte = |cell: usize, i: usize| (links[cell][i / 4] >> (8 * (i % 4)) & 255) as f32 / 255.0;
     let volume = Volume {
@@ -182,7 +182,7 @@ fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
     let exponential = Scheme { factors: Factors::Exponential, ..Scheme::OURS };
     for scheme in [exponential, THREE_BANDS, Scheme::PAPER] {
         for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
-            let off = furthest_off(&gpu, &frame, light, Parameters { scheme, ..FEW });
+            let off = furthest_off(&gpu, &frame, light, LpvParameters { scheme, ..FEW });
             // A processor's exponential is not quite a GPU's.
             assert!(off < 2e-5, "{scheme:?}, {light:?}: {off}");
         }
@@ -191,7 +191,7 @@ fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
 
 #[test]
 fn light_in_three_bands_is_as_the_plain_version_has_it() {
-    let (gpu, parameters) = (gpu(), Parameters { cascades: 2, scheme: THREE_BANDS, ..FEW });
+    let (gpu, parameters) = (gpu(), LpvParameters { cascades: 2, scheme: THREE_BANDS, ..FEW });
     let lit = ScreenMethod::new(&gpu, parameters);
     prove_twin(&lit, &with_colours(corner()), TOLERANCE);
     let multiple = ScreenMethod::new(&gpu, InMedium::multiple(parameters));
@@ -203,7 +203,7 @@ fn light_in_three_bands_is_as_the_plain_version_has_it() {
 #[test]
 fn surfaces_lit_by_the_cell_that_they_are_in_are_as_the_plain_version_has_it() {
     let scheme = Scheme { lookup: Lookup::Within, ..Scheme::OURS };
-    let method = ScreenMethod::new(&gpu(), Parameters { scheme, ..FEW });
+    let method = ScreenMethod::new(&gpu(), LpvParameters { scheme, ..FEW });
     // A point between two cells may be in the other one: 0.64 on an H100.
     prove_twin(&method, &with_colours(corner()), Tolerance { worst: 0.7, ..TOLERANCE });
 }
@@ -227,14 +227,14 @@ fn extremes_make_no_negative_light() {
         Medium::new(Vec3::splat(absorption), Vec3::splat(scattering), 0.0, density).expect("a medium")
     };
     let outside = Camera::look_at(Vec3::new(-30.0, 20.0, 25.0), bounds.centre());
-    let few = Parameters { iterations: 4, ..FEW };
+    let few = LpvParameters { iterations: 4, ..FEW };
     for (medium, camera, parameters, least, most) in [
         (medium(0.0, 0.0), camera, few, 0.0, 0.0),
         (medium(0.1, 0.0), camera, few, 0.0, 0.0),
         // Far too bright, which is stated.
         (medium(0.0, 1e5), camera, few, 0.0, 1e3),
         (medium(0.0, 0.3), outside, few, 1e-3, 10.0),
-        (medium(0.1, 0.3), camera, Parameters { cells: 1, ..few }, 1e-3, 10.0),
+        (medium(0.1, 0.3), camera, LpvParameters { cells: 1, ..few }, 1e-3, 10.0),
     ] {
         let (scene, view, gbuffer) = changed(&frame, medium, camera);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };

@@ -21,7 +21,7 @@ use integration::{ClosedForm, PrefixSums};
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct MinMaxParameters {
     /// Light rays in a slice, each with four samples of its depth.
     #[schemars(range(min = 16, max = 16384))]
     pub light_rays: usize,
@@ -36,7 +36,7 @@ pub struct Parameters {
     pub steps: u32,
 }
 
-impl Parameters {
+impl MinMaxParameters {
     /// More time is more light rays and finer shadow maps.
     pub const fn of(quality: Quality) -> Self {
         let (light_rays, shadow_size, steps) = match quality {
@@ -49,7 +49,7 @@ impl Parameters {
     }
 }
 
-impl Integration for Parameters {
+impl Integration for MinMaxParameters {
     const NAME: &'static str = "min-max";
     const WANTS_EVEN_FOG: bool = true;
 

@@ -12,7 +12,7 @@
 
 use super::passes::Finding;
 use super::reference::{found, image};
-use super::{ATTRIBUTES, Parameters as Texels, Quality};
+use super::{ATTRIBUTES, RateEquationParameters as Texels, Quality};
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
 use crate::scene::Glow;
@@ -27,13 +27,13 @@ use glam::{Vec2, Vec3};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct GlassnerParameters {
     /// Moments that are drawn of each state.
     #[schemars(range(min = 1, max = 4096))]
     pub samples: u32,
 }
 
-impl Parameters {
+impl GlassnerParameters {
     /// More time is more moments: from as many as cost what the rate equation does to those that the thesis calls of the
     /// same quality.
     pub const fn of(quality: Quality) -> Self {
@@ -55,7 +55,7 @@ impl Parameters {
 /// All of the past, seconds ago.
 const EVER: [f32; 2] = [0.0, f32::MAX];
 
-impl Technique for Parameters {
+impl Technique for GlassnerParameters {
     fn about(&self) -> About {
         About::beyond_screen("glassner", Effect::Phosphor, ATTRIBUTES)
     }
@@ -87,7 +87,7 @@ impl Technique for Parameters {
 }
 
 /// The plain version's image.
-fn shaded(scene: &TracedScene, view: &View, parameters: Parameters) -> Vec<f32> {
+fn shaded(scene: &TracedScene, view: &View, parameters: GlassnerParameters) -> Vec<f32> {
     let (afterglow, glow) = (Afterglow::new(scene), Glow::of(scene.scene()));
     let states = glow.most_states() as u32;
     let paints = glow.paints_of(scene.scene());

@@ -38,7 +38,7 @@ use passes::Finding;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct RateEquationParameters {
     /// Texels along the scene's diagonal.
     #[schemars(range(min = 8, max = 4096))]
     pub texels: u32,
@@ -51,7 +51,7 @@ pub struct Parameters {
 /// What both methods read of a g-buffer.
 const ATTRIBUTES: &[Attribute] = &[Attribute::Position, Attribute::ObjectId, Attribute::Valid];
 
-impl Parameters {
+impl RateEquationParameters {
     /// So many texels along the scene's diagonal, whose steps are exact.
     pub const fn exact(texels: u32) -> Self {
         Self { texels, euler: 0 }
@@ -69,7 +69,7 @@ impl Parameters {
     }
 }
 
-impl Technique for Parameters {
+impl Technique for RateEquationParameters {
     fn about(&self) -> About {
         About::beyond_screen("rate-equation", Effect::Phosphor, ATTRIBUTES)
     }

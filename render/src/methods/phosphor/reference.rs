@@ -1,6 +1,6 @@
 //! The plain version: the same texels by rays and closed forms.
 
-use super::Parameters;
+use super::RateEquationParameters;
 use super::cells::{PlainCells, edge};
 use super::tile::{Tiles, texel_weights, texels_around};
 use crate::bvh::{Hit, TracedScene};
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
-pub fn shade(scene: &TracedScene, view: &View, parameters: Parameters) -> Written {
+pub fn shade(scene: &TracedScene, view: &View, parameters: RateEquationParameters) -> Written {
     let tiles = Tiles::new(&scene.scene().clone().into(), &draws_of(scene.scene()), parameters.texels);
     let afterglow = Afterglow::new(scene).by(Steps::of(parameters.euler));
     let shares = shares(&afterglow, &tiles);

@@ -3,7 +3,7 @@
 mod kept_light;
 mod limits;
 
-use super::glassner::Parameters as Moments;
+use super::glassner::GlassnerParameters as Moments;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -93,13 +93,13 @@ fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
 /// The shares of all texels after what a room's scene says, by the passes and by the plain version.
 fn both_states((scene, view, gbuffer): &(TracedScene, View, GBuffer), texels: u32) -> [Vec<f32>; 2] {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(texels));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(texels));
     let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
     let plan = Plan::new(&method, &inputs, view).expect("a plan");
     gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-    let plain = reference::shade(scene, view, Parameters::exact(texels)).swap_remove(0);
+    let plain = reference::shade(scene, view, RateEquationParameters::exact(texels)).swap_remove(0);
     [states(&gpu, &plan), plain]
 }
 
@@ -111,7 +111,7 @@ fn near(a: &[f32], b: &[f32], tolerance: f32) -> bool {
 #[test]
 fn states_and_images_are_those_of_the_plain_version() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(100));
     // Shadow maps end within a texel of where shadows do.
     prove_twin(&method, &room(), Tolerance { usual: 2e-3, worst: 0.06 });
 }
@@ -174,7 +174,7 @@ fn what_moved_leaves_its_shadows_where_they_were() {
         camera(),
         [37, 53],
     );
-    let states = ScreenMethod::new(&gpu, Parameters::exact(150));
+    let states = ScreenMethod::new(&gpu, RateEquationParameters::exact(150));
     let moments = ScreenMethod::new(&gpu, Moments { samples: 16 });
     let spacing = scene.diagonal() / 150.0;
     // Of a map of 90 degrees and 1024 texels, at the floor's distance; a lookup mixes two by two.
@@ -224,7 +224,7 @@ fn what_moved_leaves_its_shadows_where_they_were() {
 #[test]
 fn a_medium_keeps_light_as_in_the_plain_version() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(100));
     let bounds = Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) };
     let smoke = Weather::smoke(3, 1.5, 0.9).grid(bounds, 12, 0.0).expect("smoke");
     for density in [Density::Grid(smoke), Density::Within(bounds)] {
@@ -269,7 +269,7 @@ fn steps_of_euler_tend_to_the_exact_ones() {
     let lights = vec![lamp(Vec3::new(0.3, 2.0, 0.2), 20.0)];
     let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
     let image = |euler| {
-        let method = ScreenMethod::new(&gpu, Parameters { texels: 60, euler });
+        let method = ScreenMethod::new(&gpu, RateEquationParameters { texels: 60, euler });
         prove_twin(&method, &room, Tolerance { usual: 1e-4, worst: 1e-4 });
         shaded(&method, &room)
     };
@@ -291,7 +291,7 @@ fn moments_tend_to_the_rate_equation_where_light_is_weak() {
     let glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
     let room =
         seen(scene(vec![floor()], vec![lamp(Vec3::new(0.3, 2.0, 0.2), 1e-3)], glow), camera(), [24, 32]);
-    let right = shaded(&ScreenMethod::new(&gpu, Parameters::exact(200)), &room);
+    let right = shaded(&ScreenMethod::new(&gpu, RateEquationParameters::exact(200)), &room);
     let error = |samples| {
         let image = shaded(&ScreenMethod::new(&gpu, Moments { samples }), &room);
         let squares = image.data().iter().zip(right.data()).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
@@ -317,7 +317,7 @@ impl Loop {
     ) -> Self {
         let gpu = gpu();
         let (_, view, gbuffer) = frame;
-        let method = ScreenMethod::new(&gpu, Parameters::exact(texels));
+        let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(texels));
         let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
         let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
         let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
@@ -373,7 +373,7 @@ fn slow_states_lose_nothing_to_rounding() {
 #[test]
 fn extremes_give_shares_and_finite_images() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(30));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(30));
     let rival = ScreenMethod::new(&gpu, Moments { samples: 4 });
     for (decays, power, moment, start) in [
         (&[0.0, 1e30][..], 1e30, 1.0, Start::Share(1.0)),
@@ -397,7 +397,7 @@ fn extremes_give_shares_and_finite_images() {
 #[test]
 fn nothing_glows_without_paint_or_lamps() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(30));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(30));
     let lit = || vec![lamp(Vec3::Y, 5.0)];
     let mut unpainted = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     unpainted.surfaces[0].0 = Some("no such material".to_owned());
@@ -411,7 +411,7 @@ fn nothing_glows_without_paint_or_lamps() {
 #[test]
 fn each_material_has_its_own_paint() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(60));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(60));
     let mut of_wall = glow(&[0.3], &[[0.0, 9.0]], 1.0);
     of_wall.surfaces[0].0 = Some("wall".to_owned());
     let (scene, view, _) =

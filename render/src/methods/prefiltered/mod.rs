@@ -44,13 +44,13 @@ const ATTRIBUTES: &[Attribute] = &[
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct PrefilteredParameters {
     /// Rows of the finest map: rounded down to a power of two, at least 32.
     #[schemars(range(min = 32, max = 1024), extend("unit" = "rows"))]
     pub height: usize,
 }
 
-impl Parameters {
+impl PrefilteredParameters {
     /// Those of a quality: finer maps take longer to filter, once for an environment, and mirror more sharply. A frame
     /// takes the same time. On training scenes, whose surfaces are hardly ever mirrors, 64 rows are as good as 512.
     pub fn of(quality: Quality) -> Self {
@@ -79,7 +79,7 @@ pub struct Filtered {
     pub table: Vec<Vec3>,
 }
 
-impl Technique for Parameters {
+impl Technique for PrefilteredParameters {
     fn about(&self) -> About {
         About::on_screen("prefiltered", Effect::Ibl, ATTRIBUTES)
     }

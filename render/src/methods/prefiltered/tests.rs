@@ -63,7 +63,7 @@ const ROUGHNESSES: [f32; 5] = [0.15, 0.3, 0.5, 0.8, 1.0];
 #[test]
 fn a_uniform_environment_gives_the_colours_times_their_energy() {
     let environment = Environment::uniform(Vec3::new(0.5, 1.0, 2.0));
-    let filtered = Parameters::of(Quality::Low).filtered(Some(&environment));
+    let filtered = PrefilteredParameters::of(Quality::Low).filtered(Some(&environment));
     for degrees in [3.0, 50.0, 80.0, 89.0] {
         let found = shade(&floor(degrees, &ROUGHNESSES, DIFFUSE, SPECULAR), &filtered);
         for (roughness, found) in ROUGHNESSES.into_iter().zip(found) {
@@ -85,7 +85,7 @@ fn a_uniform_environment_gives_the_colours_times_their_energy() {
 #[test]
 fn irradiance_of_a_small_sun_errs_by_less_than_a_hundredth() {
     let environment = spotted();
-    let map = &Parameters::of(Quality::Low).filtered(Some(&environment)).maps[0];
+    let map = &PrefilteredParameters::of(Quality::Low).filtered(Some(&environment)).maps[0];
     let largest = integral(&environment, |_| Vec3::splat(FRAC_1_PI)).x;
     for i in 0..20 {
         let normal = if i == 0 {
@@ -102,7 +102,7 @@ fn irradiance_of_a_small_sun_errs_by_less_than_a_hundredth() {
 #[test]
 fn seen_from_above_a_lobe_is_exact_but_for_the_maps() {
     let environment = spotted();
-    let filtered = Parameters::of(Quality::Medium).filtered(Some(&environment));
+    let filtered = PrefilteredParameters::of(Quality::Medium).filtered(Some(&environment));
     // The light is 60 degrees from the normal, at the lobes' edges.
     let found = shade(&floor(0.1, &ROUGHNESSES[2..], DIFFUSE, SPECULAR), &filtered);
     for (roughness, found) in ROUGHNESSES[2..].iter().zip(found) {
@@ -129,7 +129,7 @@ fn errors(filtered: &Filtered, roughness: f32, degrees: f32) -> f32 {
 
 #[test]
 fn the_table_of_lobes_is_nearer_to_the_integral_than_whole_lobes() {
-    let modelled = Parameters::of(Quality::Low).filtered(None);
+    let modelled = PrefilteredParameters::of(Quality::Low).filtered(None);
     // Lobes of the surfaces' own exponents around the mirrored direction, with the right energy.
     let whole = |i: usize, lobe: &Vec3| Vec3::new(lobe.x, 0.0, 0.5 * (i / ANGLES) as f32);
     let table = modelled.table.iter().enumerate().map(|(i, lobe)| whole(i, lobe)).collect();
@@ -143,7 +143,7 @@ fn the_table_of_lobes_is_nearer_to_the_integral_than_whole_lobes() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let prefiltered = ScreenMethod::new(&gpu, Parameters::of(Quality::Low));
+    let prefiltered = ScreenMethod::new(&gpu, PrefilteredParameters::of(Quality::Low));
     let environment = coloured().rotated(0.7);
     for (height, width) in [(37, 50), (1, 1), (17, 5)] {
         let (_, view, gbuffer) = everything(height, width);
@@ -151,7 +151,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
     }
     let (_, view, gbuffer) = everything(9, 12);
     prove_twin(&prefiltered, &gbuffer, None, &view, TOLERANCE);
-    let finer = prefiltered.with(Parameters::of(Quality::Medium));
+    let finer = prefiltered.with(PrefilteredParameters::of(Quality::Medium));
     prove_twin(&finer, &gbuffer, Some(&sky(1)), &view, BESIDE_A_SUN);
     let flat = floor(70.0, &ROUGHNESSES, DIFFUSE, SPECULAR);
     prove_twin(&finer, &flat, Some(&sky(1)), &self::view(1, ROUGHNESSES.len(), 1.0), BESIDE_A_SUN);
@@ -161,7 +161,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 fn the_comparator_rejects_what_is_wrong() {
     let (_, _, gbuffer) = everything(37, 50);
     let shade = |environment: &Environment| {
-        reference::shade(&gbuffer, &Parameters::of(Quality::Low).filtered(Some(environment)))
+        reference::shade(&gbuffer, &PrefilteredParameters::of(Quality::Low).filtered(Some(environment)))
             .expect("attributes")
     };
     let right = shade(&coloured());
@@ -181,7 +181,7 @@ fn the_method_is_nearer_to_truth_than_light_from_everywhere() {
     let shot = Shot::new(&scene, &view.camera, [view.height, view.width], view.radius);
     let truth = path::render(Effect::Ibl, &shot, Sampling::one(256, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let prefiltered = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let prefiltered = ScreenMethod::new(&gpu, PrefilteredParameters::of(Quality::High));
     let error =
         |environment| mean_difference(&on_gpu(&prefiltered, &gbuffer, Some(environment), &view), &truth);
     let (found, even) = (error(&environment), error(&even));

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 
 /// What it may take.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct RayMarchParameters {
     /// Steps along each view ray.
     #[schemars(range(min = 1, max = 8192))]
     pub steps: u32,
@@ -37,7 +37,7 @@ pub struct Parameters {
     pub jitter: bool,
 }
 
-impl Parameters {
+impl RayMarchParameters {
     /// More time is more steps.
     pub const fn of(quality: Quality) -> Self {
         let (steps, light_steps, shadow_size) = match quality {
@@ -50,7 +50,7 @@ impl Parameters {
     }
 }
 
-impl Integration for Parameters {
+impl Integration for RayMarchParameters {
     const NAME: &'static str = "ray-march";
     const WANTS_EVEN_FOG: bool = false;
 

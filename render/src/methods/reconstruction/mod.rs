@@ -32,7 +32,7 @@ const TILE_SIZE: u32 = 16;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct ReconstructionParameters {
     /// Samples along a line, at least 1; the paper has 15.
     #[schemars(range(min = 1, max = 512))]
     pub samples: u32,
@@ -44,7 +44,7 @@ pub struct Parameters {
     pub depth_extent: f32,
 }
 
-impl Technique for Parameters {
+impl Technique for ReconstructionParameters {
     fn about(&self) -> About {
         About::on_screen(
             "reconstruction",
@@ -89,7 +89,7 @@ impl Technique for Parameters {
     }
 }
 
-impl Parameters {
+impl ReconstructionParameters {
     /// Those of a quality: more samples leave less noise and shorter steps.
     ///
     /// Swept on ten training pairs of `dataset/recipes/motion-blur.toml` (rooms, colonnades, still lives, shelves, cities):

@@ -20,8 +20,8 @@ const WIDTH: usize = 61;
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.2 };
 
 /// Movements of any length that an image holds.
-fn unbounded(quality: Quality) -> Parameters {
-    Parameters { longest: 1.0, ..Parameters::of(quality) }
+fn unbounded(quality: Quality) -> ReconstructionParameters {
+    ReconstructionParameters { longest: 1.0, ..ReconstructionParameters::of(quality) }
 }
 
 /// What a pixel of a picture made by hand shows.
@@ -43,7 +43,7 @@ fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> Option<Shown
     GBuffer::new(attributes, Planes::from_fn(7, height, width, |c, y, x| pixels[y * width + x][c]))
 }
 
-fn exposed(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
+fn exposed(gbuffer: &GBuffer, parameters: &ReconstructionParameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
     let written = reference::shade(&reference::Moving::of(gbuffer).expect("all attributes"), &settings);
     let image = written.into_iter().last().expect("an image");
@@ -85,8 +85,8 @@ fn what_stands_still_stays_bit_for_bit() {
         })
     };
     for quality in Quality::ALL {
-        let image = exposed(&gbuffer(0.0), &Parameters::of(quality));
-        let moved = exposed(&gbuffer(3.0), &Parameters::of(quality));
+        let image = exposed(&gbuffer(0.0), &ReconstructionParameters::of(quality));
+        let moved = exposed(&gbuffer(3.0), &ReconstructionParameters::of(quality));
         let (mut blurred, mut changed) = (0, 0);
         for at in (0..HEIGHT * WIDTH).map(|i| IVec2::new((i % WIDTH) as i32, (i / WIDTH) as i32)) {
             let is = |image: &Planes| {
@@ -121,7 +121,7 @@ fn directions_turn_from_right_to_up() {
         let gbuffer = gbuffer_of(HEIGHT, WIDTH, |at| {
             Some(Shown { light: stripes(at), depth: 2.0, motion: [direction, 16.0] })
         });
-        let image = exposed(&gbuffer, &Parameters::of(Quality::High));
+        let image = exposed(&gbuffer, &ReconstructionParameters::of(Quality::High));
         let values: Vec<f32> = (20..40).map(|x| image.at(0, 20, x)).collect();
         values.iter().fold(0.0f32, |a, b| a.max(*b)) - values.iter().fold(1.0f32, |a, b| a.min(*b))
     };
@@ -132,12 +132,12 @@ fn directions_turn_from_right_to_up() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
-    let coarse = Parameters { samples: 3, longest: 0.05, depth_extent: 0.5 };
+    let method = ScreenMethod::new(&gpu, ReconstructionParameters::of(Quality::High));
+    let coarse = ReconstructionParameters { samples: 3, longest: 0.05, depth_extent: 0.5 };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
+        (HEIGHT, WIDTH, ReconstructionParameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::of(Quality::High)),
+        (1, 1, ReconstructionParameters::of(Quality::High)),
         (17, 5, unbounded(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -151,7 +151,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&exposed(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
+    prove_comparator(
+        &exposed(&lit_still_life(HEIGHT, WIDTH), &ReconstructionParameters::of(Quality::High)),
+        TOLERANCE,
+    );
 }
 
 #[test]
@@ -160,7 +163,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::MotionBlur, &shot, Sampling::one(64, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let method = ScreenMethod::new(&gpu, ReconstructionParameters::of(Quality::High));
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

@@ -31,7 +31,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct RingGatherParameters {
     /// Pixels of the image along the edge of one that is gathered: 2 is half the size, 1 the full one.
     #[schemars(range(min = 1, max = 2), extend("unit" = "pixels"))]
     pub scale: u32,
@@ -46,7 +46,7 @@ pub struct Parameters {
     pub softness: f32,
 }
 
-impl Technique for Parameters {
+impl Technique for RingGatherParameters {
     fn about(&self) -> About {
         About::on_screen(
             "ring-gather",
@@ -99,7 +99,7 @@ impl Technique for Parameters {
     }
 }
 
-impl Parameters {
+impl RingGatherParameters {
     /// Those of a quality: half the size for `Low`, the full one for others, and more rings.
     ///
     /// Swept on ten training pairs of `dataset/recipes/dof.toml` (rooms, colonnades, still lives, shelves, cities):

@@ -21,8 +21,8 @@ const WIDTH: usize = 61;
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 /// Circles of any size that an image holds.
-fn unbounded(quality: Quality) -> Parameters {
-    Parameters { largest: 1.0, ..Parameters::of(quality) }
+fn unbounded(quality: Quality) -> RingGatherParameters {
+    RingGatherParameters { largest: 1.0, ..RingGatherParameters::of(quality) }
 }
 
 /// Light and signed radius of the circle of confusion of every pixel.
@@ -36,7 +36,7 @@ fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> (Vec3, f32) 
     GBuffer::new(attributes, Planes::from_fn(6, height, width, |c, y, x| pixels[y * width + x][c]))
 }
 
-fn blurred(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
+fn blurred(gbuffer: &GBuffer, parameters: &RingGatherParameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
     let written = reference::shade(&reference::Blurred::of(gbuffer).expect("all attributes"), &settings);
     let image = written.into_iter().last().expect("an image");
@@ -47,10 +47,12 @@ fn blurred(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
 fn what_is_in_focus_stays_bit_for_bit() {
     let light = |at: IVec2| Vec3::new(0.1 * at.x as f32, 1.0 / (1.0 + at.y as f32), 7.0);
     for quality in Quality::ALL {
-        let image = blurred(&gbuffer_of(HEIGHT, WIDTH, |at| (light(at), 0.0)), &Parameters::of(quality));
+        let image =
+            blurred(&gbuffer_of(HEIGHT, WIDTH, |at| (light(at), 0.0)), &RingGatherParameters::of(quality));
         let sharp = Planes::from_fn(3, HEIGHT, WIDTH, |c, y, x| light(IVec2::new(x as i32, y as i32))[c]);
         assert!(image == sharp, "{}", quality.name());
-        let image = blurred(&gbuffer_of(HEIGHT, WIDTH, |at| (light(at), 3.0)), &Parameters::of(quality));
+        let image =
+            blurred(&gbuffer_of(HEIGHT, WIDTH, |at| (light(at), 3.0)), &RingGatherParameters::of(quality));
         assert!(image != sharp, "{}: what is out of focus is not", quality.name());
     }
 }
@@ -118,7 +120,7 @@ fn what_is_sharp_takes_nothing_from_a_blurred_background() {
     let gbuffer =
         gbuffer_of(HEIGHT, WIDTH, |at| if at.x < 30 { (Vec3::X, 0.0) } else { (Vec3::splat(5.0), 9.0) });
     for quality in Quality::ALL {
-        let image = blurred(&gbuffer, &Parameters::of(quality));
+        let image = blurred(&gbuffer, &RingGatherParameters::of(quality));
         for (y, x) in (0..HEIGHT).flat_map(|y| (0..30).map(move |x| (y, x))) {
             assert_eq!([image.at(0, y, x), image.at(1, y, x)], [1.0, 0.0], "{}: ({x}, {y})", quality.name());
         }
@@ -136,7 +138,7 @@ fn what_is_not_seen_is_far_away() {
             planes.plane_mut(plane)[pixel] = if plane == 5 { 0.0 } else { f32::NAN };
         }
     }
-    let image = blurred(&GBuffer::new(attributes, planes), &Parameters::of(Quality::Ultra));
+    let image = blurred(&GBuffer::new(attributes, planes), &RingGatherParameters::of(Quality::Ultra));
     assert!(image.data().iter().all(|value| value.is_finite()));
     assert!((0.2..0.5).contains(&image.at(0, 20, 30)), "{}", image.at(0, 20, 30));
     assert!((0.5..0.8).contains(&image.at(0, 20, 29)) && image.at(0, 20, 40) == 0.0);
@@ -145,12 +147,12 @@ fn what_is_not_seen_is_far_away() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
-    let coarse = Parameters { scale: 3, rings: 1, softness: 2.5, ..unbounded(Quality::Low) };
+    let method = ScreenMethod::new(&gpu, RingGatherParameters::of(Quality::High));
+    let coarse = RingGatherParameters { scale: 3, rings: 1, softness: 2.5, ..unbounded(Quality::Low) };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
+        (HEIGHT, WIDTH, RingGatherParameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::of(Quality::High)),
+        (1, 1, RingGatherParameters::of(Quality::High)),
         (17, 5, unbounded(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
@@ -164,7 +166,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&blurred(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
+    prove_comparator(
+        &blurred(&lit_still_life(HEIGHT, WIDTH), &RingGatherParameters::of(Quality::High)),
+        TOLERANCE,
+    );
 }
 
 #[test]

@@ -49,7 +49,7 @@ const SALT: u32 = 0x5c12_ee47;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct ScreenTruthParameters {
     /// How many surfaces one behind the other each pixel shows.
     #[schemars(range(min = 1, max = 2))]
     pub layers: usize,
@@ -61,7 +61,7 @@ pub struct Parameters {
     pub samples: u32,
 }
 
-impl Parameters {
+impl ScreenTruthParameters {
     /// Those of a quality: more samples have less noise. One layer without a guard band is what a g-buffer
     /// holds.
     pub const fn of(quality: Quality) -> Self {
@@ -121,7 +121,7 @@ fn at_pixels(
     seen.par_iter().enumerate().map(pixel).collect()
 }
 
-impl Method for Parameters {
+impl Method for ScreenTruthParameters {
     fn name(&self) -> &'static str {
         NAME
     }

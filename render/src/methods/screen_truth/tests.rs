@@ -15,13 +15,13 @@ const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
 /// One layer, no guard band, little noise.
-const PLAIN: Parameters = Parameters { layers: 1, guard: 0.0, samples: 1024 };
+const PLAIN: ScreenTruthParameters = ScreenTruthParameters { layers: 1, guard: 0.0, samples: 1024 };
 
 fn scene(meshes: Vec<Mesh>) -> TracedScene {
     traced(meshes, Material::default())
 }
 
-fn shaded(scene: &TracedScene, size: [usize; 2], radius: f32, parameters: Parameters) -> Planes {
+fn shaded(scene: &TracedScene, size: [usize; 2], radius: f32, parameters: ScreenTruthParameters) -> Planes {
     from(scene, &camera(), size, radius, parameters)
 }
 
@@ -30,7 +30,7 @@ fn from(
     camera: &Camera,
     [height, width]: [usize; 2],
     radius: f32,
-    parameters: Parameters,
+    parameters: ScreenTruthParameters,
 ) -> Planes {
     let gbuffer = gbuffer::render(scene, camera, height, width, &[Attribute::Valid]);
     let frame = Frame { scene, camera, gbuffer: &gbuffer, radius, seed: 3 };
@@ -79,7 +79,7 @@ fn a_plane_is_open_however_it_is_tilted_and_so_is_a_sphere() {
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(-2.0, 1.0, 1.0), Vec3::new(0.0, 6.0, 1.0)] {
         let plane = scene(vec![wide(Vec3::new(0.0, 0.0, -4.0), normal.normalize(), 50.0)]);
         for layers in [1, 2] {
-            let parameters = Parameters { layers, samples: 256, ..PLAIN };
+            let parameters = ScreenTruthParameters { layers, samples: 256, ..PLAIN };
             assert_eq!(darkest(&shaded(&plane, [HEIGHT, WIDTH], 1.5, parameters)), 1.0, "normal {normal}");
         }
     }
@@ -102,7 +102,7 @@ fn a_floor_beside_a_wall_has_its_integral() {
 fn a_disk_above_a_plane_lets_light_pass_behind_it() {
     let hovering = scene(vec![background(), disk(-4.4)]);
     for layers in [1, 2] {
-        let image = shaded(&hovering, SIZE, 1.5, Parameters { layers, ..PLAIN });
+        let image = shaded(&hovering, SIZE, 1.5, ScreenTruthParameters { layers, ..PLAIN });
         assert_eq!(below_disk().compare(&image, |met| 1.0 - met, 0.02), Ok(()), "{layers} layers");
         assert!(below_disk().compare(&image, |met| 1.0 - 0.9 * met, 0.02).is_err());
     }
@@ -113,7 +113,8 @@ fn what_hides_behind_something_is_known_with_a_second_layer_alone() {
     let stacked = scene(vec![background(), disk(-4.4), disk(-4.7)]);
     let truth = truth(&stacked, &camera(), SIZE, 1.5);
     assert!(below_disk().compare(&truth, |met| 1.0 - met, 0.02).is_err(), "the lower disk occludes");
-    let [one, two] = [1, 2].map(|layers| shaded(&stacked, SIZE, 1.5, Parameters { layers, ..PLAIN }));
+    let [one, two] =
+        [1, 2].map(|layers| shaded(&stacked, SIZE, 1.5, ScreenTruthParameters { layers, ..PLAIN }));
     assert_eq!(below_disk().compare(&one, |met| 1.0 - met, 0.02), Ok(()), "the upper one alone");
     let [one, two] = [one, two].map(|image| mean_difference(&image, &truth));
     assert!(two < 0.002 && one > 5.0 * two, "one layer {one}, two {two}");
@@ -129,7 +130,8 @@ fn what_is_beside_the_image_is_known_with_a_guard_band_alone() {
     let size = [3 * HEIGHT, 3 * WIDTH];
     let truth = truth(&screened, &camera(), size, 1.0);
     assert!(darkest(&truth) < 0.9);
-    let [without, with] = [0.0, 0.1].map(|guard| shaded(&screened, size, 1.0, Parameters { guard, ..PLAIN }));
+    let [without, with] =
+        [0.0, 0.1].map(|guard| shaded(&screened, size, 1.0, ScreenTruthParameters { guard, ..PLAIN }));
     let (without, with) = (mean_difference(&without, &truth), mean_difference(&with, &truth));
     assert!(with < 0.1 * without, "without {without}, with {with}");
 }
@@ -145,8 +147,9 @@ fn where_all_is_seen_it_is_truth_and_where_something_hides_it_is_not() {
     // The control: a disk that another one hides.
     let stacked = scene(vec![background(), disk(-4.4), disk(-4.7)]);
     let hidden = truth(&stacked, &camera(), size, 1.5);
-    let [one, two] = [1, 2]
-        .map(|layers| mean_difference(&shaded(&stacked, size, 1.5, Parameters { layers, ..PLAIN }), &hidden));
+    let [one, two] = [1, 2].map(|layers| {
+        mean_difference(&shaded(&stacked, size, 1.5, ScreenTruthParameters { layers, ..PLAIN }), &hidden)
+    });
     assert!(one > 3.0 * two, "one layer {one}, two {two}");
 }
 
@@ -219,7 +222,7 @@ fn noise_is_not_that_of_truth_of_the_same_seed() {
         path::render(Effect::Ao, &Shot::new(&room, &view, size, 1.2), Sampling::one(samples, seed)).mean
     };
     // Equal seeds would leave nothing between them but what the mesh makes of the scene.
-    let found = shaded(&room, size, 1.2, Parameters { samples: 16, ..PLAIN });
+    let found = shaded(&room, size, 1.2, ScreenTruthParameters { samples: 16, ..PLAIN });
     let (same, other) = (mean_difference(&found, &taken(3, 16)), mean_difference(&found, &taken(99, 16)));
     assert!((0.8..1.25).contains(&(same / other)), "{same} is not {other}");
 }
@@ -227,7 +230,7 @@ fn noise_is_not_that_of_truth_of_the_same_seed() {
 #[test]
 fn images_do_not_depend_on_the_number_of_threads() {
     let stacked = scene(vec![background(), disk(-4.4), disk(-4.7)]);
-    let parameters = Parameters { layers: 2, guard: 0.1, samples: 16 };
+    let parameters = ScreenTruthParameters { layers: 2, guard: 0.1, samples: 16 };
     let image = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| shaded(&stacked, [37, 51], 1.0, parameters))

@@ -31,7 +31,7 @@ const MOST_TAPS: usize = 25;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SeparableParameters {
     /// Taps of a row or column, 3 to 49, odd.
     #[schemars(range(min = 3, max = 49))]
     pub taps: usize,
@@ -44,7 +44,7 @@ pub struct Parameters {
     pub follow: f32,
 }
 
-impl Technique for Parameters {
+impl Technique for SeparableParameters {
     fn about(&self) -> About {
         About::on_screen(
             "separable",
@@ -80,7 +80,7 @@ impl Technique for Parameters {
     }
 }
 
-/// Parameters of the passes for one frame, as the GPU reads them.
+/// SeparableParameters of the passes for one frame, as the GPU reads them.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// The blur along rows, then along columns.
@@ -89,7 +89,7 @@ pub struct Settings {
     pub taps: [[f32; 4]; MOST_TAPS],
 }
 
-impl Parameters {
+impl SeparableParameters {
     /// Those of a quality: the paper's 7 to 25 taps, and at last more.
     ///
     /// Swept on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves, cities):

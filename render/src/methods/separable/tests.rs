@@ -17,7 +17,7 @@ const WIDTH: usize = 61;
 /// Of radiances up to about 1. Rounding puts a tap on the neighbouring pixel in few pixels.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
-fn scattered(gbuffer: &GBuffer, parameters: &Parameters) -> Planes {
+fn scattered(gbuffer: &GBuffer, parameters: &SeparableParameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
     let [.., image] = reference::shade(&Translucent::of(gbuffer).expect("all attributes"), &settings);
     image
@@ -56,7 +56,7 @@ fn even_light_stays_as_it_is() {
     let light = Vec3::new(0.3, 0.7, 5.0);
     let image = scattered(
         &facing_plane(HEIGHT, WIDTH, Vec3::new(7.0, 2.0, 0.0), |_| light),
-        &Parameters::of(Quality::High),
+        &SeparableParameters::of(Quality::High),
     );
     for (c, expected) in light.to_array().into_iter().enumerate() {
         assert!(image.plane(c).iter().all(|value| (value - expected).abs() < 1e-5 * expected));
@@ -69,7 +69,7 @@ fn a_step_of_light_becomes_the_integral_of_the_profile() {
     const SIZE: usize = 97;
     let lit = |at: i32| Vec3::splat(f32::from(u8::from(at >= 48)));
     let lengths = Vec3::new(4.0, 2.0, 0.0);
-    let ultra = Parameters::of(Quality::Ultra);
+    let ultra = SeparableParameters::of(Quality::Ultra);
     let rows = scattered(&facing_plane(SIZE, SIZE, lengths, |at| lit(at.x)), &ultra);
     let columns = scattered(&facing_plane(SIZE, SIZE, lengths, |at| lit(at.y)), &ultra);
     let mut noticed: f64 = 0.0;
@@ -95,7 +95,8 @@ fn a_step_of_light_becomes_the_integral_of_the_profile() {
 fn without_a_mean_free_path_the_picture_stays_bit_for_bit() {
     let light = |at: IVec2| Vec3::new(0.1 * at.x as f32, 1.0 / (1.0 + at.y as f32), 7.0);
     for quality in Quality::ALL {
-        let image = scattered(&facing_plane(HEIGHT, WIDTH, Vec3::ZERO, light), &Parameters::of(quality));
+        let image =
+            scattered(&facing_plane(HEIGHT, WIDTH, Vec3::ZERO, light), &SeparableParameters::of(quality));
         let sharp = Planes::from_fn(3, HEIGHT, WIDTH, |c, y, x| light(IVec2::new(x as i32, y as i32))[c]);
         assert!(image == sharp);
     }
@@ -112,9 +113,10 @@ fn light_does_not_leap_between_surfaces_far_apart() {
     }
     let apart = GBuffer::new(plane.attributes().to_vec(), planes);
     let bled = |gbuffer: &GBuffer, follow: f32| {
-        scattered(gbuffer, &Parameters { follow, ..Parameters::of(Quality::High) }).at(0, 20, 29)
+        scattered(gbuffer, &SeparableParameters { follow, ..SeparableParameters::of(Quality::High) })
+            .at(0, 20, 29)
     };
-    let follow = Parameters::of(Quality::High).follow;
+    let follow = SeparableParameters::of(Quality::High).follow;
     assert!(bled(&apart, follow) < 1e-3, "{}", bled(&apart, follow));
     assert!(bled(&plane, follow) > 0.2 && bled(&apart, 0.0) > 0.2, "as it would on one surface");
 }
@@ -122,13 +124,13 @@ fn light_does_not_leap_between_surfaces_far_apart() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
-    let coarse = Parameters { taps: 3, reach: 2.0, follow: 0.0 };
+    let method = ScreenMethod::new(&gpu, SeparableParameters::of(Quality::High));
+    let coarse = SeparableParameters { taps: 3, reach: 2.0, follow: 0.0 };
     for (height, width, parameters) in [
-        (HEIGHT, WIDTH, Parameters::of(Quality::High)),
+        (HEIGHT, WIDTH, SeparableParameters::of(Quality::High)),
         (HEIGHT, WIDTH, coarse),
-        (1, 1, Parameters::of(Quality::High)),
-        (17, 5, Parameters::of(Quality::Ultra)),
+        (1, 1, SeparableParameters::of(Quality::High)),
+        (17, 5, SeparableParameters::of(Quality::Ultra)),
     ] {
         let view = view(height, width, 1.0);
         prove_twin(&method.with(parameters), &lit_still_life(height, width), None, &view, TOLERANCE);
@@ -139,7 +141,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    prove_comparator(&scattered(&lit_still_life(HEIGHT, WIDTH), &Parameters::of(Quality::High)), TOLERANCE);
+    prove_comparator(
+        &scattered(&lit_still_life(HEIGHT, WIDTH), &SeparableParameters::of(Quality::High)),
+        TOLERANCE,
+    );
 }
 
 #[test]
@@ -148,7 +153,7 @@ fn the_method_is_nearer_to_truth_than_the_sharp_picture() {
     let shot = Shot::new(&scene, &view.camera, [48, 64], 1.0);
     let truth = path::render(Effect::Sss, &shot, Sampling::one(1, 1)).mean;
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let method = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let method = ScreenMethod::new(&gpu, SeparableParameters::of(Quality::High));
     let sharp = gbuffer.select(&[Attribute::Light]).expect("light");
     let image = on_gpu(&method, &gbuffer, None, &view);
     let (with, without) = (relative_mse(&image, &truth), relative_mse(&sharp, &truth));

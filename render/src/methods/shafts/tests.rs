@@ -25,20 +25,20 @@ use std::sync::Arc;
 /// All methods at a quality.
 fn methods(quality: Quality) -> [Box<dyn Method>; 4] {
     [
-        Box::new(Shafts(ray_march::Parameters::of(quality))),
-        Box::new(Shafts(epipolar::Parameters::of(quality))),
-        Box::new(Shafts(epipolar_sampling::Parameters::of(quality))),
-        Box::new(Shafts(min_max::Parameters::of(quality))),
+        Box::new(Shafts(ray_march::RayMarchParameters::of(quality))),
+        Box::new(Shafts(epipolar::EpipolarParameters::of(quality))),
+        Box::new(Shafts(epipolar_sampling::EpipolarSamplingParameters::of(quality))),
+        Box::new(Shafts(min_max::MinMaxParameters::of(quality))),
     ]
 }
 
 /// Those that run on the GPU, froxels as fine as pixels.
 fn on_gpu() -> [Box<dyn Method>; 3] {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let fine = froxel::Parameters { tile: 1, slices: 384, samples: 1 };
+    let fine = froxel::FroxelParameters { tile: 1, slices: 384, samples: 1 };
     [
-        Box::new(ScreenMethod::new(&gpu, fog_march::Parameters::of(Quality::Ultra))),
-        Box::new(ScreenMethod::new(&gpu, gpu_epipolar::Parameters::of(Quality::Ultra))),
+        Box::new(ScreenMethod::new(&gpu, fog_march::FogMarchParameters::of(Quality::Ultra))),
+        Box::new(ScreenMethod::new(&gpu, gpu_epipolar::GpuEpipolarParameters::of(Quality::Ultra))),
         Box::new(ScreenMethod::new(&gpu, fine)),
     ]
 }

@@ -31,7 +31,7 @@ use glam::Vec3;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SsdoParameters {
     /// Directions of a pixel, at least 1.
     #[schemars(range(min = 1, max = 1024))]
     pub directions: u32,
@@ -45,10 +45,10 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 256), extend("unit" = "rows"))]
     pub environment_height: usize,
     /// What removes the noise.
-    pub blur: blur::Parameters,
+    pub blur: blur::BlurParameters,
 }
 
-impl Parameters {
+impl SsdoParameters {
     /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a finer map.
     ///
     /// Swept on room, colonnade, still life, machinery, stairs and shelves under skies and photographed environments at
@@ -62,7 +62,7 @@ impl Parameters {
             Quality::High => (64, 12, 8, 4),
             Quality::Ultra => (256, 20, 16, 3),
         };
-        let blur = blur::Parameters { radius, sharpness: 512.0 };
+        let blur = blur::BlurParameters { radius, sharpness: 512.0 };
         Self { directions, steps, thickness: 0.3, environment_height, blur }
     }
 
@@ -73,7 +73,7 @@ impl Parameters {
     }
 }
 
-impl Marched for Parameters {
+impl Marched for SsdoParameters {
     const NAME: &'static str = "ssdo";
     const EFFECT: Effect = Effect::Do;
     const SHADER: Shader = Shader::at("methods/ssdo/light");
@@ -103,7 +103,7 @@ impl Marched for Parameters {
         }
     }
 
-    fn blur(&self) -> blur::Parameters {
+    fn blur(&self) -> blur::BlurParameters {
         self.blur
     }
 

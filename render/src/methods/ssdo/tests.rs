@@ -24,19 +24,19 @@ const WIDTH: usize = 61;
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 /// Many directions and points, no blur: the integral itself.
-const PLAIN: Parameters = Parameters {
+const PLAIN: SsdoParameters = SsdoParameters {
     directions: 500,
     steps: 150,
     thickness: 0.2,
     environment_height: 32,
-    blur: blur::Parameters { radius: 0, sharpness: 1.0 },
+    blur: blur::BlurParameters { radius: 0, sharpness: 1.0 },
 };
 
-fn shade(gbuffer: &GBuffer, environment: &Environment, parameters: &Parameters, radius: f32) -> Planes {
+fn shade(gbuffer: &GBuffer, environment: &Environment, parameters: &SsdoParameters, radius: f32) -> Planes {
     seen(gbuffer, Some(environment), parameters, &view(gbuffer.height(), gbuffer.width(), radius))
 }
 
-fn seen(gbuffer: &GBuffer, sky: Option<&Environment>, parameters: &Parameters, view: &View) -> Planes {
+fn seen(gbuffer: &GBuffer, sky: Option<&Environment>, parameters: &SsdoParameters, view: &View) -> Planes {
     let surface = Surface::of(gbuffer).expect("all attributes");
     let noisy = reference::gather_light(&surface, &parameters.filtered(sky), &parameters.march(view));
     let [.., image] = blurred(parameters, &surface, view, noisy);
@@ -46,14 +46,14 @@ fn seen(gbuffer: &GBuffer, sky: Option<&Environment>, parameters: &Parameters, v
 #[test]
 fn light_from_everywhere_is_the_ambient_occlusion_of_a_wall() {
     let receiver = beside_wall();
-    let image = |radiance, parameters: &Parameters| {
+    let image = |radiance, parameters: &SsdoParameters| {
         shade(&receiver.gbuffer(), &Environment::uniform(Vec3::splat(radiance)), parameters, receiver.radius)
     };
     let compare = |image: &Planes| receiver.compare(image, |met| 2.0 * (1.0 - met), 0.06);
     assert_eq!(compare(&image(2.0, &PLAIN)), Ok(()));
     assert!(compare(&image(2.2, &PLAIN)).is_err(), "more light");
     assert!(
-        compare(&image(2.0, &Parameters { steps: 1, ..PLAIN })).is_err(),
+        compare(&image(2.0, &SsdoParameters { steps: 1, ..PLAIN })).is_err(),
         "one point a direction misses much"
     );
 }
@@ -63,7 +63,7 @@ fn an_open_plane_has_its_irradiance_whatever_its_tilt() {
     let environment = spotted().rotated(-2.0);
     for normal in [Vec3::Z, Vec3::new(0.5, 0.3, 1.0), Vec3::new(0.0, 6.0, 1.0)].map(Vec3::normalize) {
         let gbuffer = gbuffer_of(9, 13, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal));
-        let parameters = Parameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
+        let parameters = SsdoParameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
         let image = shade(&gbuffer, &environment, &parameters, 1.5);
         for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
             let expected = hemisphere_mean(normal, |direction| environment.radiance(direction)[channel]);
@@ -81,7 +81,7 @@ fn light_comes_from_where_the_camera_in_the_world_says() {
     let environment = spotted().rotated(-2.0);
     let camera = Camera::look_at(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.5, -2.0));
     let view = View { camera, ..view(9, 13, 1.0) };
-    let parameters = Parameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
+    let parameters = SsdoParameters { directions: 5000, steps: 2, environment_height: 8, ..PLAIN };
     let image = seen(&gbuffer, Some(&environment), &parameters, &view);
     let normal = camera.rotation * Vec3::Z;
     let expected = hemisphere_mean(normal, |direction| environment.radiance(direction).x);
@@ -93,9 +93,9 @@ fn light_comes_from_where_the_camera_in_the_world_says() {
 #[test]
 fn it_is_black_without_an_environment_and_in_the_sky() {
     let gbuffer = still_life(HEIGHT, WIDTH);
-    let image = seen(&gbuffer, None, &Parameters::of(Quality::High), &view(HEIGHT, WIDTH, 1.0));
+    let image = seen(&gbuffer, None, &SsdoParameters::of(Quality::High), &view(HEIGHT, WIDTH, 1.0));
     assert!(image.data().iter().all(|value| *value == 0.0));
-    let image = shade(&gbuffer, &spotted(), &Parameters::of(Quality::High), 1.0);
+    let image = shade(&gbuffer, &spotted(), &SsdoParameters::of(Quality::High), 1.0);
     let mask = gbuffer.seen().expect("a mask");
     assert!((0..HEIGHT * WIDTH).all(|i| mask[i] == (image.plane(0)[i] > 0.0)));
     assert!(image.data().iter().all(|value| value.is_finite()));
@@ -104,7 +104,7 @@ fn it_is_black_without_an_environment_and_in_the_sky() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let ssdo = ScreenMethod::new(&gpu, SsdoParameters::of(Quality::High));
     let environment = spotted().rotated(0.7);
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
@@ -112,7 +112,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
         (1, 1, Quality::High, 1.0),
         (17, 5, Quality::Ultra, 0.4),
     ] {
-        let ssdo = ssdo.with(Parameters::of(quality));
+        let ssdo = ssdo.with(SsdoParameters::of(quality));
         let view = view(height, width, radius);
         prove_twin(&ssdo, &still_life(height, width), Some(&environment), &view, TOLERANCE);
     }
@@ -123,10 +123,10 @@ fn gpu_and_reference_agree_at_every_pixel() {
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
-    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &Parameters::of(Quality::High), 1.0);
+    let right = shade(&still_life(HEIGHT, WIDTH), &spotted(), &SsdoParameters::of(Quality::High), 1.0);
     prove_comparator(&right, TOLERANCE);
     let turned =
-        shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &Parameters::of(Quality::High), 1.0);
+        shade(&still_life(HEIGHT, WIDTH), &spotted().rotated(0.3), &SsdoParameters::of(Quality::High), 1.0);
     assert!(agree(&right, &turned, TOLERANCE).is_err(), "a turned environment");
 }
 
@@ -141,7 +141,7 @@ fn the_method_is_nearer_to_truth_than_light_that_nothing_blocks() {
     let (scene, radius) = (with_environment(corner(), dusk()), 1.0);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssdo = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let ssdo = ScreenMethod::new(&gpu, SsdoParameters::of(Quality::High));
     let gbuffer = gbuffer::render(&scene, &camera, HEIGHT, WIDTH, ssdo.attributes());
     let image = |radius| {
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 3 };

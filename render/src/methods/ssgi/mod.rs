@@ -23,14 +23,14 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SsgiParameters {
     /// The march.
-    pub slices: slices::Parameters,
+    pub slices: slices::SliceParameters,
     /// What removes its noise.
-    pub blur: blur::Parameters,
+    pub blur: blur::BlurParameters,
 }
 
-impl Parameters {
+impl SsgiParameters {
     /// Those of a quality: more slices and steps leave less noise to the blur, and miss less.
     ///
     /// Swept on room, colonnade, still life, machinery, stairs and shelves, each with a lamp, at 176x120 with a radius of
@@ -45,13 +45,13 @@ impl Parameters {
             Quality::Ultra => (32, 64, 2),
         };
         Self {
-            slices: slices::Parameters { slices, steps, thickness: 0.25 },
-            blur: blur::Parameters { radius: blur_radius, sharpness: 512.0 },
+            slices: slices::SliceParameters { slices, steps, thickness: 0.25 },
+            blur: blur::BlurParameters { radius: blur_radius, sharpness: 512.0 },
         }
     }
 }
 
-impl Marched for Parameters {
+impl Marched for SsgiParameters {
     const NAME: &'static str = "ssgi";
     const EFFECT: Effect = Effect::Gi;
     const ATTRIBUTES: &'static [Attribute] =
@@ -63,7 +63,7 @@ impl Marched for Parameters {
         self.slices.settings(view)
     }
 
-    fn blur(&self) -> blur::Parameters {
+    fn blur(&self) -> blur::BlurParameters {
         self.blur
     }
 

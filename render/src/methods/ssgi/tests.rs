@@ -51,7 +51,7 @@ fn coloured(height: usize, width: usize) -> GBuffer {
 
 /// What the light of a g-buffer makes, before the blur, with many samples.
 fn plain(gbuffer: &GBuffer, radius: f32, thickness: f32) -> Planes {
-    let march = slices::Parameters { slices: 64, steps: 1000, thickness };
+    let march = slices::SliceParameters { slices: 64, steps: 1000, thickness };
     let settings = march.settings(&view(gbuffer.height(), gbuffer.width(), radius));
     let surface = Surface::of(gbuffer).expect("all attributes");
     let light = gbuffer.select(&[Attribute::DiffuseLight]).expect("light");
@@ -115,14 +115,14 @@ fn nothing_is_sent_along_a_plane_or_to_the_sky() {
 #[test]
 fn gpu_and_reference_agree_at_every_pixel() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let ssgi = ScreenMethod::new(&gpu, Parameters::of(Quality::High));
+    let ssgi = ScreenMethod::new(&gpu, SsgiParameters::of(Quality::High));
     for (height, width, quality, radius) in [
         (HEIGHT, WIDTH, Quality::High, 1.0),
         (HEIGHT, WIDTH, Quality::Low, 30.0),
         (1, 1, Quality::High, 1.0),
         (17, 5, Quality::Ultra, 0.4),
     ] {
-        let ssgi = ssgi.with(Parameters::of(quality));
+        let ssgi = ssgi.with(SsgiParameters::of(quality));
         prove_twin(&ssgi, &coloured(height, width), None, &view(height, width, radius), TOLERANCE);
     }
     let (_, view, gbuffer) = everything(37, 50);
@@ -135,7 +135,7 @@ fn the_comparator_rejects_what_is_wrong() {
         let gbuffer = coloured(HEIGHT, WIDTH);
         let view = View { seed, ..view(HEIGHT, WIDTH, 2.0) };
         let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: None };
-        let written = Parameters::of(Quality::High).reference(&inputs, &view).expect("all attributes");
+        let written = SsgiParameters::of(Quality::High).reference(&inputs, &view).expect("all attributes");
         Planes::from_data(3, HEIGHT, WIDTH, written[2].clone())
     };
     prove_comparator(&shade(11), TOLERANCE);
@@ -151,7 +151,7 @@ fn lit_corner() -> TracedScene {
 }
 
 /// An image of the corner's indirect light, and its truth.
-fn at_corner(parameters: Parameters) -> [Planes; 2] {
+fn at_corner(parameters: SsgiParameters) -> [Planes; 2] {
     let (scene, radius) = (lit_corner(), 1.5);
     let camera = Camera::look_at(Vec3::new(4.0, 3.0, 5.0), Vec3::splat(0.8));
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
@@ -165,7 +165,7 @@ fn at_corner(parameters: Parameters) -> [Planes; 2] {
 
 #[test]
 fn the_method_is_nearer_to_truth_than_black() {
-    let [found, truth] = at_corner(Parameters::of(Quality::High));
+    let [found, truth] = at_corner(SsgiParameters::of(Quality::High));
     let black = mean_difference(&Planes::filled(3, HEIGHT, WIDTH, 0.0), &truth);
     let found = mean_difference(&found, &truth);
     assert!(black > 0.03 && found < 0.3 * black, "black {black}, ssgi {found}");
@@ -173,12 +173,15 @@ fn the_method_is_nearer_to_truth_than_black() {
 
 #[test]
 fn the_highest_quality_is_converged() {
-    let ultra = Parameters::of(Quality::Ultra);
-    let march =
-        slices::Parameters { slices: 2 * ultra.slices.slices, steps: 2 * ultra.slices.steps, ..ultra.slices };
+    let ultra = SsgiParameters::of(Quality::Ultra);
+    let march = slices::SliceParameters {
+        slices: 2 * ultra.slices.slices,
+        steps: 2 * ultra.slices.steps,
+        ..ultra.slices
+    };
     let [image, _] = at_corner(ultra);
-    let [finer, _] = at_corner(Parameters { slices: march, ..ultra });
-    let [coarse, _] = at_corner(Parameters::of(Quality::Low));
+    let [finer, _] = at_corner(SsgiParameters { slices: march, ..ultra });
+    let [coarse, _] = at_corner(SsgiParameters::of(Quality::Low));
     let [to_finer, to_coarse] = [&finer, &coarse].map(|other| ssim(&image, other));
     assert!(to_finer > 0.99 && to_coarse < to_finer, "{to_finer}, and the lowest quality {to_coarse}");
 }

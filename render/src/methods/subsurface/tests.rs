@@ -15,11 +15,11 @@ fn gpu() -> Gpu {
 }
 
 fn separable(quality: Quality) -> ScreenMethod {
-    ScreenMethod::new(&gpu(), FromScreen(separable::Parameters::of(quality)))
+    ScreenMethod::new(&gpu(), FromScreen(separable::SeparableParameters::of(quality)))
 }
 
 fn gather(quality: Quality) -> ScreenMethod {
-    ScreenMethod::new(&gpu(), FromScreen(gather::Parameters::of(quality)))
+    ScreenMethod::new(&gpu(), FromScreen(gather::GatherParameters::of(quality)))
 }
 
 /// A plane that faces the camera, whose surface has a colour and receives light: white light as it leaves it.
@@ -48,7 +48,7 @@ fn prove_gather_twin(quality: Quality, gbuffer: &GBuffer, view: &View, tolerance
 
     let given = given(gbuffer, &found_received, &found_lengths).expect("attributes");
     let inputs = PlainInputs { gbuffer: &given, environment: None, scene: None };
-    let scattered = gather::Parameters::of(quality)
+    let scattered = gather::GatherParameters::of(quality)
         .reference(&inputs, view)
         .expect("attributes")
         .pop()
@@ -100,10 +100,10 @@ fn one_colour_is_that_of_screen_space_with_a_shorter_length() {
     let view = view(33, 45, 1.0);
     let found = on_gpu(&separable(Quality::High), &gbuffer, None, &view);
     let shorter = facing_plane(33, 45, Vec3::new(6.0, 3.0, 0.0) / shape(colour), step);
-    let plain = ScreenMethod::new(&gpu(), separable::Parameters::of(Quality::High));
+    let plain = ScreenMethod::new(&gpu(), separable::SeparableParameters::of(Quality::High));
     let right = on_gpu(&plain, &shorter, None, &view);
     let same = facing_plane(33, 45, Vec3::new(6.0, 3.0, 0.0), step);
-    let longer = ScreenMethod::new(&gpu(), separable::Parameters::of(Quality::High));
+    let longer = ScreenMethod::new(&gpu(), separable::SeparableParameters::of(Quality::High));
     let longer = on_gpu(&longer, &same, None, &view);
     let off = |image: &Planes, c: usize| {
         let differences = found.plane(c).iter().zip(image.plane(c));

@@ -1,7 +1,7 @@
 //! Directional occlusion by surfels (thesis 4.3): the environment's irradiance less what surfels block of it.
 
 use super::around::Ending;
-use super::{Parameters, passes::Shading, reference};
+use super::{SurfelParameters, passes::Shading, reference};
 use crate::methods::disks::{DiskEffect, Plain, SURFACE};
 use crate::methods::environment_map::EnvironmentMap;
 use crate::methods::prefiltered::filter;
@@ -17,7 +17,7 @@ use glam::Vec3;
 const BLOCKED_HEIGHT: usize = 16;
 
 /// The effect `do`.
-pub const DIRECTIONAL: DiskEffect<Parameters> = DiskEffect {
+pub const DIRECTIONAL: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Do,
     attributes: SURFACE,
     lit: None,
@@ -71,7 +71,7 @@ impl Sky {
 }
 
 /// The image in plain Rust.
-fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+fn plain(plain: &Plain<'_, SurfelParameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
     let (sky, camera) = (Sky::new(plain.environment), &plain.view.camera);
     let hides = |disk: &Disk, _, way, receiver: reference::Receiver| {
         sky.behind(camera, disk, way, receiver.normal).to_array()

@@ -10,7 +10,7 @@
 
 use super::around::Ending;
 use super::reference::{Receiver, Shade, facing, sent};
-use super::{Parameters, passes::Shading, reference};
+use super::{SurfelParameters, passes::Shading, reference};
 use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::lobe::{self, Gloss, Lobe};
 use crate::surfels::reference::Disk;
@@ -26,7 +26,7 @@ use std::f32::consts::PI;
 const WIDER: f32 = 0.125;
 
 /// The effect `glossy`.
-pub const GLOSSY: DiskEffect<Parameters> = DiskEffect {
+pub const GLOSSY: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Glossy,
     attributes: lobe::ATTRIBUTES,
     lit: Some(Lit::Reflected),
@@ -41,7 +41,7 @@ pub const GLOSSY: DiskEffect<Parameters> = DiskEffect {
 };
 
 /// The image in plain Rust.
-fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+fn plain(plain: &Plain<'_, SurfelParameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
     let Plain { gbuffer, surface, parameters, view, .. } = *plain;
     let gloss = Gloss::of(gbuffer)?;
     let reach = |at| gloss.lobe_at(surface, at).map_or(0.0, |_| f32::INFINITY);

@@ -7,14 +7,14 @@
 
 use super::around::Ending;
 use super::reference::{self, LIGHT};
-use super::{Parameters, passes::Shading};
+use super::{SurfelParameters, passes::Shading};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::surfels::{Lit, Tree};
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
 
 /// The effect `gi`.
-pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
+pub const INDIRECT: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Gi,
     attributes: SURFACE,
     lit: Some(Lit::Reflected),
@@ -29,5 +29,5 @@ pub const INDIRECT: DiskEffect<Parameters> = DiskEffect {
 };
 
 /// The effect `phosphor-gi`.
-pub const KEPT_LIGHT: DiskEffect<Parameters> =
+pub const KEPT_LIGHT: DiskEffect<SurfelParameters> =
     DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };

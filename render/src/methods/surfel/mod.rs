@@ -46,9 +46,9 @@ use deepshade_shaders::gpu::GpuError;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct SurfelParameters {
     /// How finely the scene is laid out.
-    pub surfels: surfels::Parameters,
+    pub surfels: surfels::SurfelDensity,
     /// The papers' epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
@@ -56,7 +56,7 @@ pub struct Parameters {
     #[schemars(range(min = 1, max = 8))]
     pub levels: u32,
     /// What removes the noise of a level: the radius is that of the finest, and is doubled with each coarser one.
-    pub blur: blur::Parameters,
+    pub blur: blur::BlurParameters,
 }
 
 /// Most levels: 2^10 pixels to a side become sub-buffers of 8 x 8.
@@ -64,7 +64,7 @@ pub const MOST_LEVELS: u32 = 8;
 /// A level is blurred no farther than this, pixels.
 const MOST_BLUR: u32 = 32;
 
-impl Parameters {
+impl SurfelParameters {
     /// Those of a quality: smaller surfels, and more of their effect on every pixel. On the six scenes of
     /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.279, 0.231 and 0.235:
     /// beyond medium what is left is what hides nothing.
@@ -76,20 +76,20 @@ impl Parameters {
             Quality::Ultra => (0.006, 0.05),
         };
         Self {
-            surfels: surfels::Parameters { scale, near: 0.25 },
+            surfels: surfels::SurfelDensity { scale, near: 0.25 },
             threshold,
             levels: 6,
-            blur: blur::Parameters { radius: 1, sharpness: 512.0 },
+            blur: blur::BlurParameters { radius: 1, sharpness: 512.0 },
         }
     }
 
     /// The blur of a level.
-    fn blur_of(&self, level: u32) -> blur::Parameters {
-        blur::Parameters { radius: (self.blur.radius << level).min(MOST_BLUR), ..self.blur }
+    fn blur_of(&self, level: u32) -> blur::BlurParameters {
+        blur::BlurParameters { radius: (self.blur.radius << level).min(MOST_BLUR), ..self.blur }
     }
 }
 
-impl ByDisks for Parameters {
+impl ByDisks for SurfelParameters {
     const NAME: &'static str = "surfel";
     type Passes = passes::Shading;
 
@@ -97,7 +97,7 @@ impl ByDisks for Parameters {
         Self { threshold: self.threshold.clamp(1e-6, 1.0), levels: self.levels.clamp(1, MOST_LEVELS), ..self }
     }
 
-    fn surfels(&self) -> &surfels::Parameters {
+    fn surfels(&self) -> &surfels::SurfelDensity {
         &self.surfels
     }
 

@@ -1,14 +1,14 @@
 //! Ambient occlusion by surfels (thesis 4.3): the sum of their form factors.
 
 use super::around::Ending;
-use super::{Parameters, passes::Shading, reference};
+use super::{SurfelParameters, passes::Shading, reference};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::surfels::Tree;
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
 
 /// The effect `ao`.
-pub const OCCLUSION: DiskEffect<Parameters> = DiskEffect {
+pub const OCCLUSION: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Ao,
     attributes: SURFACE,
     lit: None,

@@ -1,7 +1,7 @@
 //! What runs on the GPU: surfels and their tree, the levels one after the other, their blurs, their sum.
 
 use super::around::{Around, Ending};
-use super::{Parameters, shells};
+use super::{SurfelParameters, shells};
 use crate::methods::blur::{self, Blurred};
 use crate::methods::disks::DiskEffect;
 use crate::screen::{MethodStep, Resources, View};
@@ -30,7 +30,7 @@ pub struct Shading {
 const OF_LEVEL: usize = 4;
 
 /// The contents of the passes' uniform buffers.
-pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
+pub fn uniforms(parameters: &SurfelParameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
     let mut all: Vec<Vec<u8>> = frame::uniforms(&parameters.surfels, view).collect();
     for level in 0..parameters.levels {
         all.push(bytes_of(&shells::level(parameters, level, view)).to_vec());
@@ -41,7 +41,7 @@ pub fn uniforms(parameters: &Parameters, effect: Effect, view: &View) -> Vec<Vec
     all
 }
 
-fn sum(parameters: &Parameters, effect: Effect, level: u32, view: &View) -> uniforms::LevelSum {
+fn sum(parameters: &SurfelParameters, effect: Effect, level: u32, view: &View) -> uniforms::LevelSum {
     uniforms::LevelSum {
         width: view.width as u32,
         height: view.height as u32,
@@ -55,7 +55,7 @@ fn sum(parameters: &Parameters, effect: Effect, level: u32, view: &View) -> unif
 ///
 /// # Errors
 /// If there is no scene, or the device has no room for what lies between them.
-pub fn steps(effect: &DiskEffect<Parameters>, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+pub fn steps(effect: &DiskEffect<SurfelParameters>, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
     let (device, world, lit) = (to.device, to.scene()?, effect.lit);
     let Shading { tree, channels, ending, .. } = effect.passes;
     let (of_surfels, levels) = to.uniforms.split_at(frame::UNIFORMS);

@@ -1,6 +1,6 @@
 //! Shading by surfels in plain Rust: shells without a tree, and brute force without shells.
 
-use super::{Parameters, shells};
+use super::{SurfelParameters, shells};
 use crate::methods::{Surface, blur};
 use crate::screen::View;
 use crate::surfels::reference::Disk;
@@ -139,7 +139,7 @@ pub fn sums<const CHANNELS: usize>(
     surface: &Surface,
     disks: &[Disk],
     shade: Shade<'_, CHANNELS>,
-    parameters: &Parameters,
+    parameters: &SurfelParameters,
     view: &View,
 ) -> Planes {
     let mut sum = Planes::filled(CHANNELS, surface.height, surface.width, 0.0);
@@ -154,7 +154,7 @@ pub fn sums<const CHANNELS: usize>(
 }
 
 /// What is open of each pixel's hemisphere, `[1, height, width]`.
-pub fn openness(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
+pub fn openness(surface: &Surface, disks: &[Disk], parameters: &SurfelParameters, view: &View) -> Planes {
     let sum = sums(surface, disks, OCCLUSION, parameters, view);
     surface.image(1.0, |at| [(1.0 - sum.at(0, at.y as usize, at.x as usize)).clamp(0.0, 1.0)])
 }

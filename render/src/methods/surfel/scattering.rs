@@ -25,7 +25,7 @@
 
 use super::around::Ending;
 use super::reference::{self, Receiver, Shade};
-use super::{Parameters, passes::Shading};
+use super::{SurfelParameters, passes::Shading};
 use crate::methods::Surface;
 use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::surface::vector;
@@ -46,7 +46,7 @@ const BELOW_PLANE: f32 = 0.02;
 const BELOW_HOLLOW: f32 = 3.0;
 
 /// The effect `subsurface`.
-pub const SCATTERING: DiskEffect<Parameters> = DiskEffect {
+pub const SCATTERING: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Subsurface,
     attributes: &[
         Attribute::Position,
@@ -69,7 +69,7 @@ pub const SCATTERING: DiskEffect<Parameters> = DiskEffect {
 };
 
 /// The image in plain Rust.
-fn plain(plain: &Plain<'_, Parameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
+fn plain(plain: &Plain<'_, SurfelParameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
     let seen = |attribute| plain.gbuffer.select(&[attribute]);
     let (lengths, colours) = (seen(Attribute::MeanFreePath)?, seen(Attribute::Diffuse)?);
     let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);

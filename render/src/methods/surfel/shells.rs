@@ -1,6 +1,6 @@
 //! Shells around surfels and the levels of the interleaved framebuffer that they are splatted to (thesis 4.2.2).
 
-use super::Parameters;
+use super::SurfelParameters;
 use crate::screen::View;
 use deepshade_shaders::random::hash;
 use deepshade_shaders::wgsl::uniforms;
@@ -14,7 +14,7 @@ pub fn reach(threshold: f32) -> f32 {
 
 /// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its radius, as it
 /// is; on level l it stands for 4^l, so that the shell is 2^l times as large.
-pub fn level(parameters: &Parameters, level: u32, view: &View) -> uniforms::SplatLevel {
+pub fn level(parameters: &SurfelParameters, level: u32, view: &View) -> uniforms::SplatLevel {
     let (enlarged, reach) = ((1u32 << level) as f32, reach(parameters.threshold));
     uniforms::SplatLevel {
         width: view.width as u32,

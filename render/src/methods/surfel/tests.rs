@@ -6,7 +6,7 @@ mod scattering;
 
 use super::indirect::INDIRECT;
 use super::reference::{self, LIGHT, brute_force, form_factor, level_sums, openness};
-use super::{MOST_LEVELS, Parameters, occlusion, shells};
+use super::{MOST_LEVELS, SurfelParameters, occlusion, shells};
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::disks::{Disks, Plain};
 use crate::methods::proving::beyond::{
@@ -24,11 +24,11 @@ use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, UVec2, Vec3};
 
 /// Surfels as fine as tests can afford, without a blur.
-const SHARP: Parameters = Parameters {
-    surfels: surfels::Parameters { scale: 0.02, near: 0.25 },
+const SHARP: SurfelParameters = SurfelParameters {
+    surfels: surfels::SurfelDensity { scale: 0.02, near: 0.25 },
     threshold: 0.06,
     levels: 4,
-    blur: blur::Parameters { radius: 0, sharpness: 512.0 },
+    blur: blur::BlurParameters { radius: 0, sharpness: 512.0 },
 };
 
 #[test]
@@ -71,7 +71,7 @@ fn floor_under_disks() -> (Surface, Vec<Disk>) {
     (Surface::of(&gbuffer).expect("a surface"), (0..3000).map(disk).collect())
 }
 
-fn levels_of(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &View) -> Planes {
+fn levels_of(surface: &Surface, disks: &[Disk], parameters: &SurfelParameters, view: &View) -> Planes {
     let mut sum = Planes::filled(1, surface.height, surface.width, 0.0);
     for level in 0..parameters.levels {
         let one = level_sums(surface, disks, reference::OCCLUSION, &shells::level(parameters, level, view));
@@ -83,7 +83,7 @@ fn levels_of(surface: &Surface, disks: &[Disk], parameters: &Parameters, view: &
 #[test]
 fn without_a_threshold_levels_are_brute_force() {
     let (surface, disks) = floor_under_disks();
-    let parameters = Parameters { threshold: 1e-9, ..SHARP };
+    let parameters = SurfelParameters { threshold: 1e-9, ..SHARP };
     let sum = levels_of(&surface, &disks, &parameters, &view(24, 32, 3.0));
     let right = brute_force(&surface, &disks, reference::OCCLUSION, 3.0);
     assert_eq!(agree(&sum, &right, Tolerance { usual: 1e-5, worst: 1e-4 }), Ok(()));
@@ -94,7 +94,7 @@ fn shells_are_brute_force_in_the_mean() {
     let (surface, disks) = floor_under_disks();
     let right = brute_force(&surface, &disks, reference::OCCLUSION, 3.0);
     for threshold in [SHARP.threshold, 0.5] {
-        let parameters = Parameters { threshold, ..SHARP };
+        let parameters = SurfelParameters { threshold, ..SHARP };
         let seeds = 64;
         let mut sum = vec![[0.0f64; 2]; right.data().len()];
         for seed in 0..seeds {
@@ -121,7 +121,7 @@ fn shells_are_brute_force_in_the_mean() {
 
 /// What is occluded of an upward hemisphere at a point, by brute force over the surfels of a scene.
 fn occluded_at(scene: &Scene, at: Vec3, scale: f32) -> f32 {
-    let parameters = surfels::Parameters { scale, near: 0.01 };
+    let parameters = surfels::SurfelDensity { scale, near: 0.01 };
     let view =
         View { camera: Camera { position: Vec3::new(0.0, 0.5, 3.0), ..camera() }, ..view(96, 128, 100.0) };
     let disks = surfels::reference::surfels(scene, &parameters, &view);
@@ -172,15 +172,17 @@ fn a_sphere_hides_its_solid_angle_once() {
 #[test]
 fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
+    let coarse = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
     let tolerance = Tolerance { usual: 2e-3, worst: 0.1 };
-    let mut method = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), occlusion::OCCLUSION));
+    let mut method =
+        ScreenMethod::new(&gpu, Disks::new(SurfelParameters::of(Quality::High), occlusion::OCCLUSION));
     for (family, [height, width], levels, threshold) in [
         (Family::StillLife, [43, 61], 4, 0.06),
         (Family::Room, [64, 48], 1, 0.2),
         (Family::Shelves, [37, 83], 6, 0.1),
     ] {
-        let parameters = Parameters { surfels: coarse, levels, threshold, ..Parameters::of(Quality::High) };
+        let parameters =
+            SurfelParameters { surfels: coarse, levels, threshold, ..SurfelParameters::of(Quality::High) };
         method = method.with(Disks::new(parameters, occlusion::OCCLUSION));
         let seen = seen(family, height, width);
         let (image, disks) = shaded_by_surfels(&method, &seen);
@@ -199,8 +201,8 @@ fn an_effect_that_reaches_nowhere_does_nothing() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let (scene, view, gbuffer) = corner();
     let frame = Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: 0.0, seed: 1 };
-    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, ..Parameters::of(Quality::High) };
+    let coarse = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
+    let parameters = SurfelParameters { surfels: coarse, ..SurfelParameters::of(Quality::High) };
     let open = ScreenMethod::new(&gpu, Disks::new(parameters, occlusion::OCCLUSION));
     let image = Method::shade(&open, &frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| *open == 1.0));
@@ -213,10 +215,18 @@ fn an_effect_that_reaches_nowhere_does_nothing() {
 fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
     let (scene, view, gbuffer) = seen(Family::StillLife, 40, 56);
     let surface = Surface::of(&gbuffer).expect("a surface");
-    let disks =
-        surfels::reference::surfels(scene.scene(), &surfels::Parameters { scale: 0.02, near: 0.25 }, &view);
+    let disks = surfels::reference::surfels(
+        scene.scene(),
+        &surfels::SurfelDensity { scale: 0.02, near: 0.25 },
+        &view,
+    );
     let shade = |threshold, levels| {
-        openness(&surface, &disks, &Parameters { threshold, levels, ..Parameters::of(Quality::High) }, &view)
+        openness(
+            &surface,
+            &disks,
+            &SurfelParameters { threshold, levels, ..SurfelParameters::of(Quality::High) },
+            &view,
+        )
     };
     let exact = shade(1e-6, 1);
     let off = |image: &Planes| {
@@ -230,7 +240,7 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
 #[test]
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
-    let fine = surfels::Parameters { scale: 0.02, near: 0.01 };
+    let fine = surfels::SurfelDensity { scale: 0.02, near: 0.01 };
     let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let light = brute_force(&surface, &disks, LIGHT, 20.0);
@@ -257,8 +267,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
 #[test]
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::of(Quality::High) };
+    let coarse = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
+    let parameters = SurfelParameters { surfels: coarse, levels: 4, ..SurfelParameters::of(Quality::High) };
     let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });

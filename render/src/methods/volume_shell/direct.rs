@@ -4,7 +4,7 @@
 //! Limits. Light of point, spot and directional lights only. A ray has as many points as intervals, so that what lies between
 //! shafts of light is noise; methods that follow the shafts are [`epipolar`](crate::methods::epipolar) and its rivals.
 
-use super::Parameters;
+use super::VolumeShellParameters;
 use super::map::{self, IntervalMap};
 use super::reference::Rays;
 use crate::bvh::TracedScene;
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 /// What can be set: of the parameters only how rays are divided matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direct(pub Parameters);
+pub struct Direct(pub VolumeShellParameters);
 
 impl Technique for Direct {
     fn about(&self) -> About {
@@ -65,7 +65,7 @@ impl Technique for Direct {
 pub fn shade(
     gbuffer: &GBuffer,
     scene: &TracedScene,
-    parameters: &Parameters,
+    parameters: &VolumeShellParameters,
     view: &View,
 ) -> Result<Planes, MissingAttribute> {
     let (height, width) = (view.height, view.width);

@@ -1,6 +1,6 @@
 //! The transmittance interval map on the GPU.
 
-use super::Parameters;
+use super::VolumeShellParameters;
 use super::improvements::Improvement;
 use crate::raster::medium::MediumOnGpu;
 use crate::screen::{MethodStep, Resources, Step};
@@ -32,7 +32,7 @@ impl IntervalMap {
     /// # Errors
     /// If there is no scene, or the device has no room or refuses the pass.
     pub fn step(
-        parameters: &Parameters,
+        parameters: &VolumeShellParameters,
         to: &Resources<'_>,
         uniforms: Uniforms<'_>,
     ) -> Result<(Self, MethodStep), GpuError> {

@@ -37,9 +37,9 @@ use intervals::Division;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Parameters {
+pub struct VolumeShellParameters {
     /// How finely the scene is laid out.
-    pub surfels: surfels::Parameters,
+    pub surfels: surfels::SurfelDensity,
     /// The paper's epsilon: what of a surfel's effect may be left to the next coarser level, from 0 to 1.
     #[schemars(range(min = 0.001, max = 1.0))]
     pub threshold: f32,
@@ -63,7 +63,7 @@ pub struct Parameters {
     pub improvements: Improvements,
 }
 
-impl Parameters {
+impl VolumeShellParameters {
     /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a relative mean squared
     /// error of 0.027 and 0.034 where truth's own noise is 0.06: what is left there is light that something should hide. In an
     /// empty box a smaller threshold helps (`deepshade-studies volume-shell`).
@@ -75,7 +75,7 @@ impl Parameters {
             Quality::Ultra => (0.020, 0.015, 400, 4),
         };
         Self {
-            surfels: surfels::Parameters { scale, near: 0.25 },
+            surfels: surfels::SurfelDensity { scale, near: 0.25 },
             threshold,
             levels: 6,
             steps,
@@ -92,12 +92,12 @@ impl Parameters {
     }
 
     /// What of them surfels and shells are made by.
-    fn of_shells(&self) -> surfel::Parameters {
-        surfel::Parameters {
+    fn of_shells(&self) -> surfel::SurfelParameters {
+        surfel::SurfelParameters {
             surfels: self.surfels,
             threshold: self.threshold,
             levels: self.levels,
-            ..surfel::Parameters::of(Quality::High)
+            ..surfel::SurfelParameters::of(Quality::High)
         }
     }
 
@@ -131,7 +131,7 @@ fn far_reaching(view: &View) -> View {
     View { radius: f32::MAX.sqrt(), ..*view }
 }
 
-impl Technique for Parameters {
+impl Technique for VolumeShellParameters {
     fn about(&self) -> About {
         About::beyond_screen("volume-shell", Effect::FogIndirect, &[Attribute::Position, Attribute::Valid])
     }

@@ -4,7 +4,7 @@
 use super::improvements::Improvement;
 use super::map::{self, IntervalMap};
 use super::pyramid::{self, Room};
-use super::{Parameters, far_reaching};
+use super::{VolumeShellParameters, far_reaching};
 use crate::methods::surfel::passes::groups_of_level;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
@@ -19,7 +19,7 @@ use deepshade_shaders::wgsl::{Shader, uniforms};
 const PARTS: u32 = 16;
 
 /// The contents of the passes' uniform buffers: surfels and their tree, march, splats, then of each level splat and sum.
-pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
+pub fn uniforms(parameters: &VolumeShellParameters, view: &View) -> Vec<Vec<u8>> {
     let mut settings = parameters.surfels;
     // Near is over the effect's radius, which is not how far surfels matter.
     settings.near *= view.radius / far_reaching(view).radius;
@@ -40,7 +40,7 @@ pub fn uniforms(parameters: &Parameters, view: &View) -> Vec<Vec<u8>> {
 ///
 /// # Errors
 /// If there is no scene, or the device has no room for what lies between them.
-pub fn steps(parameters: &Parameters, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+pub fn steps(parameters: &VolumeShellParameters, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
     let (device, world) = (to.device, to.scene()?);
     let (of_surfels, [march, volume, levels @ ..]) = to.uniforms.split_at(frame::UNIFORMS) else {
         unreachable!("march and splats have a uniform buffer each")
@@ -74,7 +74,7 @@ pub fn steps(parameters: &Parameters, to: &Resources<'_>) -> Result<Vec<MethodSt
 }
 
 /// The pass that splats a level, for a kind of medium.
-fn splat_pass(device: &Device, parameters: &Parameters, medium: u32) -> Result<Pass, GpuError> {
+fn splat_pass(device: &Device, parameters: &VolumeShellParameters, medium: u32) -> Result<Pass, GpuError> {
     let improvements = parameters.improvements;
     let shader = match improvements.has(Improvement::WideEncoding) {
         true => Shader::at("methods/volume-shell/splat"),

@@ -3,7 +3,7 @@
 use super::improvements::Improvement;
 use super::intervals::{Interval, Ray, mean_transmittance};
 use super::pyramid::Image;
-use super::{Parameters, far_reaching};
+use super::{VolumeShellParameters, far_reaching};
 use crate::bvh::TracedScene;
 use crate::methods::surfel::reference::{facing, sent};
 use crate::methods::surfel::shells;
@@ -21,7 +21,7 @@ use std::f32::consts::PI;
 /// The rays of an image's pixels.
 pub struct Rays<'a> {
     medium: &'a Medium,
-    parameters: &'a Parameters,
+    parameters: &'a VolumeShellParameters,
     view: &'a View,
     position: Planes,
     valid: Planes,
@@ -45,7 +45,7 @@ impl<'a> Rays<'a> {
     pub fn new(
         gbuffer: &GBuffer,
         medium: &'a Medium,
-        parameters: &'a Parameters,
+        parameters: &'a VolumeShellParameters,
         view: &'a View,
     ) -> Result<Self, MissingAttribute> {
         let position = gbuffer.select(&[Attribute::Position])?;
@@ -70,7 +70,7 @@ impl<'a> Rays<'a> {
 }
 
 /// The medium of a scene as the method sees it.
-pub fn seen_medium(scene: &TracedScene, parameters: &Parameters) -> Option<Medium> {
+pub fn seen_medium(scene: &TracedScene, parameters: &VolumeShellParameters) -> Option<Medium> {
     let medium = scene.scene().medium.as_deref()?;
     Some(if parameters.is_grey() { medium.in_grey() } else { medium.clone() })
 }
@@ -82,7 +82,7 @@ pub fn seen_medium(scene: &TracedScene, parameters: &Parameters) -> Option<Mediu
 pub fn shade(
     gbuffer: &GBuffer,
     scene: &TracedScene,
-    parameters: &Parameters,
+    parameters: &VolumeShellParameters,
     view: &View,
 ) -> Result<Planes, MissingAttribute> {
     let (height, width) = (view.height, view.width);
@@ -122,7 +122,7 @@ pub struct Work {
 pub fn work(
     gbuffer: &GBuffer,
     scene: &TracedScene,
-    parameters: &Parameters,
+    parameters: &VolumeShellParameters,
     view: &View,
 ) -> Result<Work, MissingAttribute> {
     let Some(medium) = seen_medium(scene, parameters) else { return Ok(Work::default()) };
@@ -140,17 +140,17 @@ pub fn work(
 }
 
 /// The surfels of a scene with the light that they send through its medium.
-fn lit_disks(scene: &TracedScene, parameters: &Parameters, view: &View) -> Vec<Disk> {
+fn lit_disks(scene: &TracedScene, parameters: &VolumeShellParameters, view: &View) -> Vec<Disk> {
     let far = far_reaching(view);
     let near = parameters.surfels.near * view.radius / far.radius;
-    let settings = surfels::Parameters { near, ..parameters.surfels };
+    let settings = surfels::SurfelDensity { near, ..parameters.surfels };
     laid(scene, &settings, &far, Some(Lit::Dimmed { is_grey: parameters.is_grey() }))
 }
 
 /// What is the same for all pairs of a level.
 struct Scattering<'a> {
     medium: &'a Medium,
-    parameters: &'a Parameters,
+    parameters: &'a VolumeShellParameters,
     view: &'a View,
     level: &'a uniforms::SplatLevel,
 }

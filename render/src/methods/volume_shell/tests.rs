@@ -60,18 +60,18 @@ fn filled_at(medium: Medium, height: usize, width: usize) -> Seen {
     seen_in(scene.scene().clone(), Some(medium), View { radius: 1.0, height, width, ..view })
 }
 
-/// Parameters of which tests take little time.
-fn coarse() -> Parameters {
-    Parameters {
-        surfels: surfels::Parameters { scale: 0.1, near: 0.25 },
+/// VolumeShellParameters of which tests take little time.
+fn coarse() -> VolumeShellParameters {
+    VolumeShellParameters {
+        surfels: surfels::SurfelDensity { scale: 0.1, near: 0.25 },
         levels: 3,
         steps: 64,
-        ..Parameters::of(Quality::High)
+        ..VolumeShellParameters::of(Quality::High)
     }
 }
 
-fn without(improvement: Improvement) -> Parameters {
-    Parameters { improvements: Improvements::ALL.without(improvement), ..coarse() }
+fn without(improvement: Improvement) -> VolumeShellParameters {
+    VolumeShellParameters { improvements: Improvements::ALL.without(improvement), ..coarse() }
 }
 
 fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
@@ -79,7 +79,7 @@ fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
 
-fn image(gpu: &Gpu, parameters: Parameters, seen: &Seen) -> Planes {
+fn image(gpu: &Gpu, parameters: VolumeShellParameters, seen: &Seen) -> Planes {
     shaded(&ScreenMethod::new(gpu, parameters), seen)
 }
 

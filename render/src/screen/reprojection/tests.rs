@@ -30,7 +30,7 @@ fn variance(image: &Planes) -> f64 {
 fn noise_averages_out_as_its_share_says() {
     let still = moving(0.0, 0.0);
     let two = Two { since_before: &still, since_before_that: &still };
-    let parameters = Parameters { share: 0.2, clip: 1e9, ..Parameters::default() };
+    let parameters = ReprojectionParameters { share: 0.2, clip: 1e9, ..ReprojectionParameters::default() };
     let mut image = noise(0);
     let (mut calm, mut restless) = (0.0, 0.0);
     for frame in 1..60 {
@@ -52,7 +52,8 @@ fn what_moves_takes_its_history_along() {
     };
     let ways = moving(3.0, 0.0);
     let two = Two { since_before: &ways, since_before_that: &ways };
-    let mixing = Parameters { clip: 1e9, ..Parameters::default() }.uniform(HEIGHT, WIDTH, false);
+    let mixing = ReprojectionParameters { clip: 1e9, ..ReprojectionParameters::default() }
+        .uniform(HEIGHT, WIDTH, false);
     let image = mixed(two, &pattern(3), &pattern(0), &mixing);
     let off = |image: &Planes| -> f32 {
         let differences = image.data().iter().zip(pattern(3).data().to_vec()).map(|(a, b)| (a - b).abs());
@@ -74,7 +75,8 @@ fn what_comes_nearer_keeps_its_history() {
         Planes::filled(1, HEIGHT, WIDTH, 0.0),
         Planes::from_fn(1, HEIGHT, WIDTH, |_, _, x| 1.0 - 1e-4 * (x % 2) as f32),
     );
-    let mixing = Parameters { clip: 1e9, ..Parameters::default() }.uniform(HEIGHT, WIDTH, false);
+    let mixing = ReprojectionParameters { clip: 1e9, ..ReprojectionParameters::default() }
+        .uniform(HEIGHT, WIDTH, false);
     for (then, kept) in [(8.0, true), (6.0, false), (0.0, false)] {
         let two = Two { since_before: &near(then), since_before_that: &far };
         let value = mixed(two, &bright, &dark, &mixing).at(0, 9, 9);
@@ -89,7 +91,8 @@ fn other_surfaces_and_cut_off_values_are_not_kept() {
     let farther = Planes::from_fn(4, HEIGHT, WIDTH, |c, _, _| [0.0, 0.0, 8.0, 8.0][c]);
     let dark = Planes::filled(1, HEIGHT, WIDTH, 0.0);
     let bright = Planes::from_fn(1, HEIGHT, WIDTH, |_, _, x| 1.0 - 1e-4 * (x % 2) as f32);
-    let mixing = Parameters { clip: 1e9, ..Parameters::default() }.uniform(HEIGHT, WIDTH, false);
+    let mixing = ReprojectionParameters { clip: 1e9, ..ReprojectionParameters::default() }
+        .uniform(HEIGHT, WIDTH, false);
     let kept = mixed(Two { since_before: &still, since_before_that: &still }, &bright, &dark, &mixing);
     assert!((kept.at(0, 9, 9) - 0.1).abs() < 1e-4);
     let uncovered = Two { since_before: &still, since_before_that: &farther };
@@ -97,7 +100,7 @@ fn other_surfaces_and_cut_off_values_are_not_kept() {
     let sky = Planes::filled(4, HEIGHT, WIDTH, 0.0);
     assert_eq!(mixed(Two { since_before: &sky, since_before_that: &sky }, &bright, &dark, &mixing), bright);
     // Where all around is bright, darkness is cut off.
-    let strict = Parameters::default().uniform(HEIGHT, WIDTH, false);
+    let strict = ReprojectionParameters::default().uniform(HEIGHT, WIDTH, false);
     let two = Two { since_before: &still, since_before_that: &still };
     assert!((mixed(two, &bright, &dark, &strict).at(0, 9, 9) - 1.0).abs() < 1e-3);
 }
@@ -120,7 +123,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
         })
     };
     let current = gpu::storage(device, "test", image(0).data()).expect("room");
-    let parameters = Parameters::default();
+    let parameters = ReprojectionParameters::default();
     let since = gpu::storage(device, "test", ways(0).data()).expect("room");
     let mut reprojection =
         Reprojection::new(device, [HEIGHT, WIDTH], &since, &current, 3, parameters).expect("valid passes");

@@ -19,7 +19,7 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 
 const QUALITIES: [Quality; 4] = [Quality::Low, Quality::Medium, Quality::High, Quality::Ultra];
 
-fn image(surface: &Surface, parameters: &Parameters, view: &View) -> Planes {
+fn image(surface: &Surface, parameters: &GtaoParameters, view: &View) -> Planes {
     let [.., image] = on_processor(parameters, surface, view);
     image
 }
@@ -32,30 +32,30 @@ fn it_and_the_reference_agree_at_every_pixel() {
             [(HEIGHT, WIDTH, 1.0), (HEIGHT, WIDTH, 30.0), (1, 1, 1.0), (17, 5, 0.4), (33, 130, 0.4)]
         {
             let gbuffer = still_life(height, width);
-            let parameters = Parameters::of(quality);
+            let parameters = GtaoParameters::of(quality);
             prove_twin_on_processor(&parameters, &gbuffer, &view(height, width, radius), TOLERANCE);
         }
     }
     let (_, view, gbuffer) = everything(37, 50);
-    prove_twin_on_processor(&Parameters::of(Quality::High), &gbuffer, &view, TOLERANCE);
+    prove_twin_on_processor(&GtaoParameters::of(Quality::High), &gbuffer, &view, TOLERANCE);
 }
 
 #[test]
 fn the_comparator_rejects_what_is_wrong() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let (parameters, view_of_right) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
+    let (parameters, view_of_right) = (GtaoParameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
     let noisy = reference::occlude(&surface, &parameters.march(&view_of_right));
     let [.., right] = blurred(&parameters, &surface, &view_of_right, noisy);
     prove_comparator(&right, TOLERANCE);
     let reseeded = View { seed: 12, ..view(HEIGHT, WIDTH, 1.0) };
-    let reseeded = image(&surface, &Parameters::of(Quality::High), &reseeded);
+    let reseeded = image(&surface, &GtaoParameters::of(Quality::High), &reseeded);
     assert!(agree(&right, &reseeded, TOLERANCE).is_err(), "another seed");
 }
 
 #[test]
 fn threads_do_not_matter() {
     let surface = Surface::of(&still_life(HEIGHT, WIDTH)).expect("all attributes");
-    let (parameters, view) = (Parameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
+    let (parameters, view) = (GtaoParameters::of(Quality::High), view(HEIGHT, WIDTH, 1.0));
     let [one, two] = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| on_processor(&parameters, &surface, &view))
@@ -70,7 +70,7 @@ fn a_plane_is_open_however_it_is_tilted() {
             gbuffer_of(HEIGHT, WIDTH, |ray| plane(ray, Vec3::new(0.0, 0.0, -4.0), normal.normalize()));
         let surface = Surface::of(&gbuffer).expect("all attributes");
         for quality in QUALITIES {
-            let openness = image(&surface, &Parameters::of(quality), &view(HEIGHT, WIDTH, 1.5));
+            let openness = image(&surface, &GtaoParameters::of(quality), &view(HEIGHT, WIDTH, 1.5));
             let darkest = openness.data().iter().fold(1.0f32, |a, b| a.min(*b));
             assert!(darkest > 0.999, "normal {normal}: {darkest}");
         }
@@ -82,7 +82,7 @@ fn a_floor_beside_a_wall_has_its_integral() {
     let receiver = beside_wall();
     let surface = Surface::of(&receiver.gbuffer()).expect("all attributes");
     let view = view(surface.height, surface.width, receiver.radius);
-    let mut parameters = Parameters::of(Quality::High);
+    let mut parameters = GtaoParameters::of(Quality::High);
     (parameters.slices.slices, parameters.slices.steps, parameters.blur.radius) = (64, 1000, 0);
     parameters.slices.thickness = 0.25;
     let open = image(&surface, &parameters, &view);

@@ -47,7 +47,7 @@ fn a_medium_sends_what_its_volume_has_alike_in_all_directions() {
 
 #[test]
 fn fog_that_gives_back_light_fills_a_room_about_as_truth_has_it() {
-    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };
     let scene = || in_glowing_fog(false);
     let indirect = over_truth(&InMedium::indirect(parameters), Effect::FogIndirect, scene(), 1024);
     let multiple = over_truth(&InMedium::multiple(parameters), Effect::FogMultiple, scene(), 1024);
@@ -59,7 +59,7 @@ fn fog_that_gives_back_light_is_as_the_plain_version_has_it() {
     let gpu = gpu();
     for (scene, cascades) in [(in_smoke_after_a_lamp(), 1), (in_glowing_fog(true), 2)] {
         let frame = from_a_corner(scene);
-        let parameters = Parameters { cells: 10, cascades, ..FEW };
+        let parameters = LpvParameters { cells: 10, cascades, ..FEW };
         let indirect = ScreenMethod::new(&gpu, InMedium::indirect(parameters));
         prove_twin(&indirect, &frame, OF_MEDIUM);
         let multiple = ScreenMethod::new(&gpu, InMedium::multiple(parameters));

@@ -71,7 +71,7 @@ fn a_lamp_just_outside_of_the_grid_lights_as_truth_has_it() {
     let camera = seen_from();
     let shot = Shot::new(&scene, &camera, [12, 16], 20.0);
     let truth = path::render(Effect::Gi, &shot, Sampling::one(512, 1)).mean;
-    let image = shaded(&Parameters { cells: 20, iterations: 24, ..FEW }, under(lamp(3.0)), camera);
+    let image = shaded(&LpvParameters { cells: 20, iterations: 24, ..FEW }, under(lamp(3.0)), camera);
     let ratio = mean(&image) / mean(truth.data());
     assert!((ratio - 1.0).abs() < 0.15, "{ratio}");
 }

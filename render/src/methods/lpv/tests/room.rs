@@ -60,7 +60,7 @@ fn room(divided: bool) -> Scene {
 
 #[test]
 fn a_room_is_as_bright_as_truth_has_it() {
-    let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 32, ..FEW };
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let image = shaded(&parameters, room(false), camera);
     let scene = TracedScene::new(room(false)).expect("triangles");
@@ -74,9 +74,9 @@ fn a_room_is_as_bright_as_truth_has_it() {
 
 #[test]
 fn little_light_goes_through_a_wall_thinner_than_a_cell() {
-    let parameters = Parameters { cells: 16, iterations: 16, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 16, ..FEW };
     let leak = |lookup: Lookup| {
-        let technique = Parameters { scheme: Scheme { lookup, ..Scheme::OURS }, ..parameters };
+        let technique = LpvParameters { scheme: Scheme { lookup, ..Scheme::OURS }, ..parameters };
         let lit = Camera::look_at(Vec3::new(0.9, 0.2, 0.8), Vec3::new(0.3, -0.3, -0.8));
         let dark = Camera::look_at(Vec3::new(-0.8, 0.2, 0.8), Vec3::new(0.1, -0.3, -0.6));
         let [lit, dark] = [lit, dark].map(|camera| mean(&shaded(&technique, room(true), camera)));
@@ -117,7 +117,7 @@ pub fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samp
 /// On its way twice through the grid light spreads more evenly over the walls than it does: this corner gets a sixth too much.
 #[test]
 fn a_wall_that_shines_lights_a_corner_about_as_truth_has_it() {
-    let parameters = Parameters { cells: 16, iterations: 32, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 32, ..FEW };
     let ratio = over_truth(&parameters, Effect::Gi, shining(true, None), 256);
     assert!((ratio - 1.0).abs() < 0.17, "{ratio}");
 }
@@ -133,7 +133,7 @@ fn surfaces_that_shine_are_as_the_plain_version_has_it() {
     let multiple = ScreenMethod::new(&gpu, InMedium::multiple(FEW));
     prove_twin(&multiple, &foggy, OF_MEDIUM);
     prove_twin(&multiple, &from_a_corner(glowing(Some(fog()))), OF_MEDIUM);
-    let nested = InMedium::multiple(Parameters { cascades: 2, ..FEW });
+    let nested = InMedium::multiple(LpvParameters { cascades: 2, ..FEW });
     let nested = ScreenMethod::new(&gpu, nested);
     prove_twin(&nested, &foggy, OF_MEDIUM);
 }
@@ -150,7 +150,7 @@ pub fn glowing(medium: Option<Medium>) -> Scene {
 
 #[test]
 fn light_that_surfaces_kept_enters_fog_as_that_which_they_emit() {
-    let parameters = Parameters { cells: 12, iterations: 16, ..FEW };
+    let parameters = LpvParameters { cells: 12, iterations: 16, ..FEW };
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let glows = glowing(Some(fog()));
     let mut emits = shining(true, Some(fog()));
@@ -173,7 +173,7 @@ fn light_that_surfaces_kept_enters_fog_as_that_which_they_emit() {
 #[test]
 fn finer_grids_light_as_the_plain_version_has_it() {
     let gpu = gpu();
-    let nested = Parameters { cascades: 2, ..FEW };
+    let nested = LpvParameters { cascades: 2, ..FEW };
     prove_twin(&ScreenMethod::new(&gpu, nested), &with_colours(corner()), TOLERANCE);
     let multiple = ScreenMethod::new(&gpu, InMedium::multiple(nested));
     let indirect = ScreenMethod::new(&gpu, InMedium::indirect(nested));
@@ -185,9 +185,9 @@ fn finer_grids_light_as_the_plain_version_has_it() {
 
 #[test]
 fn a_finer_grid_is_as_bright_as_the_one_around_it() {
-    let parameters = Parameters { cells: 12, iterations: 32, ..FEW };
+    let parameters = LpvParameters { cells: 12, iterations: 32, ..FEW };
     let camera = Camera::look_at(Vec3::new(-0.6, 0.1, 0.3), Vec3::new(-1.0, -0.1, 0.2));
-    let brightness = |cascades| mean(&shaded(&Parameters { cascades, ..parameters }, room(false), camera));
+    let brightness = |cascades| mean(&shaded(&LpvParameters { cascades, ..parameters }, room(false), camera));
     let [one, two] = [1, 2].map(brightness);
     assert!((two / one - 1.0).abs() < 0.15, "{two} of {one}");
     assert!(two != one);
@@ -196,7 +196,7 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
 /// Beside its border a finer grid knows light as the coarser one does: what surfels reflect there of light that surfaces emit.
 #[test]
 fn a_finer_grid_knows_light_beside_its_border() {
-    let parameters = Parameters { cells: 14, cascades: 2, iterations: 32, ..FEW };
+    let parameters = LpvParameters { cells: 14, cascades: 2, iterations: 32, ..FEW };
     let camera = Camera::look_at(Vec3::new(0.0, -0.9, 0.0), Vec3::new(0.0, -1.0, -1.0));
     let view = View { camera, radius: 20.0, ..view(12, 16, 1.0) };
     let scene = TracedScene::new(room(false)).expect("triangles");
@@ -221,7 +221,7 @@ fn a_finer_grid_knows_light_beside_its_border() {
 /// What surfaces throw into the fog is steady light, which does not gather in the middle as pulses do.
 #[test]
 fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() {
-    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };
     let ratios = [-0.5, 0.0, 0.7].map(|anisotropy| {
         let scene = shining(false, Some(Medium { anisotropy, ..fog() }));
         let indirect = over_truth(&InMedium::indirect(parameters), Effect::FogIndirect, scene.clone(), 1024);
@@ -235,7 +235,7 @@ fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() 
 
 #[test]
 fn lamps_that_are_switched_off_light_nothing() {
-    let parameters = Parameters { cells: 12, iterations: 16, ..FEW };
+    let parameters = LpvParameters { cells: 12, iterations: 16, ..FEW };
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let dark = glowing(Some(fog()));
     let lamp = Light::Point {
@@ -270,7 +270,7 @@ fn lamps_that_are_switched_off_light_nothing() {
 #[test]
 fn light_is_linear_and_the_same_on_both_sides_of_a_mirror() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters { cells: 8, iterations: 8, ..FEW });
+    let method = ScreenMethod::new(&gpu, LpvParameters { cells: 8, iterations: 8, ..FEW });
     let corner = |size: f32, power: f32, side: f32| {
         let quad = |corners: [[f32; 3]; 4]| Mesh {
             positions: corners.map(|[x, y, z]| size * Vec3::new(side * x, y, z)).to_vec(),
@@ -318,7 +318,7 @@ fn light_that_a_wall_kept_comes_to_the_others_by_their_form_factors() {
     full.surfaces[0].0 = Some("glows".to_owned());
     scene.glow = Some(full.into());
     let scene = TracedScene::new(scene).expect("triangles");
-    let parameters = Parameters { cells: 16, iterations: 64, ..FEW };
+    let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };
     let volumes = LitVolumes::new(&scene, parameters, &view(1, 1, 1.0), Filled::Kept, f32::MAX);
     let received = |out: Vec3| {
         let (along, up) = (Vec3::new(out.y, out.z, out.x), Vec3::new(out.z, out.x, out.y));

@@ -14,7 +14,7 @@ fn off(image: &[f32], other: &[f32]) -> [f32; 2] {
 fn every_scale_is_as_the_plain_version_has_it() {
     let (gpu, frame) = (gpu(), with_colours(foggy().remove(0)));
     for scale in [1, 3, 4] {
-        let parameters = Parameters { scale, ..FEW };
+        let parameters = LpvParameters { scale, ..FEW };
         let method = ScreenMethod::new(&gpu, InMedium::multiple(parameters));
         prove_twin(&method, &frame, OF_MEDIUM);
     }
@@ -25,7 +25,7 @@ fn fewer_pixels_make_about_the_same_image() {
     let (scene, view, gbuffer) = with_colours(foggy().remove(0));
     let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
     let image = |scale: usize| {
-        let technique = InMedium::multiple(Parameters { scale, steps: 64, ..FEW });
+        let technique = InMedium::multiple(LpvParameters { scale, steps: 64, ..FEW });
         technique.reference(&inputs, &view).expect("attributes").remove(0)
     };
     let whole = image(1);

@@ -26,19 +26,20 @@ fn changed(
 }
 
 fn by_surfels(gpu: &Gpu) -> ScreenMethod {
-    let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
-    let parameters = surfel::Parameters { surfels, ..surfel::Parameters::of(Quality::High) };
+    let surfels = surfels::SurfelDensity { scale: 0.02, near: 0.1 };
+    let parameters = surfel::SurfelParameters { surfels, ..surfel::SurfelParameters::of(Quality::High) };
     ScreenMethod::new(gpu, Disks::new(parameters, surfel::indirect::KEPT_LIGHT))
 }
 
 fn by_rays(gpu: &Gpu) -> ScreenMethod {
-    let surfels = surfels::Parameters { scale: 0.02, near: 0.1 };
-    let parameters = bounced_z::Parameters { surfels, ..bounced_z::Parameters::of(Quality::High) };
+    let surfels = surfels::SurfelDensity { scale: 0.02, near: 0.1 };
+    let parameters =
+        bounced_z::BouncedZParameters { surfels, ..bounced_z::BouncedZParameters::of(Quality::High) };
     ScreenMethod::new(gpu, Disks::new(parameters, bounced_z::indirect::KEPT_LIGHT))
 }
 
 fn by_grid(gpu: &Gpu, cells: usize) -> ScreenMethod {
-    let parameters = lpv::Parameters { cells, iterations: cells, ..lpv::Parameters::of(Quality::High) };
+    let parameters = lpv::LpvParameters { cells, iterations: cells, ..lpv::LpvParameters::of(Quality::High) };
     ScreenMethod::new(gpu, lpv::KeptLight(parameters))
 }
 

@@ -15,7 +15,7 @@ fn flashing(count: u8) -> (TracedScene, View, GBuffer) {
 #[test]
 fn steps_of_euler_are_as_many_as_are_asked_for() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters { texels: 12, euler: 4096 });
+    let method = ScreenMethod::new(&gpu, RateEquationParameters { texels: 12, euler: 4096 });
     prove_twin(&method, &flashing(9), Tolerance { usual: 1e-4, worst: 1e-4 });
 }
 
@@ -31,7 +31,7 @@ fn moments_are_as_many_as_are_asked_for() {
 #[test]
 fn thin_fog_shines_as_in_the_plain_version() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Parameters::exact(100));
+    let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(100));
     let mut kept = glow(&[0.4], &[[0.0, 1.0]], 1.5);
     kept.medium = kept.surfaces.pop().map(|(_, paint)| paint);
     let density = Density::Within(Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) });
@@ -40,7 +40,8 @@ fn thin_fog_shines_as_in_the_plain_version() {
     let look = Look { medium: Some(Arc::new(medium)), ..scene.scene().look() };
     let room = seen(scene.with_look(look).expect("a look"), camera(), [37, 53]);
     let found = shaded(&method, &room);
-    let plain = reference::shade(&room.0, &room.1, Parameters::exact(100)).pop().expect("an image");
+    let plain =
+        reference::shade(&room.0, &room.1, RateEquationParameters::exact(100)).pop().expect("an image");
     let brightest = plain.iter().copied().fold(0.0, f32::max);
     assert!((1e-6..1e-4).contains(&brightest), "{brightest}");
     assert!(near(found.data(), &plain, 5e-3 * brightest));

@@ -12,15 +12,16 @@ fn integral(from: f64, to: f64, function: impl Fn(f64) -> f64) -> f64 {
 
 /// Methods that do not interpolate between pixels, at their best, without noise.
 fn exact() -> [Box<dyn Method>; 3] {
-    let steps = ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::Ultra) };
+    let steps =
+        ray_march::RayMarchParameters { jitter: false, ..ray_march::RayMarchParameters::of(Quality::Ultra) };
     let [_, epipolar, _, min_max] = methods(Quality::Ultra);
     [Box::new(Shafts(steps)), epipolar, min_max]
 }
 
 /// With four terms for each colour, as many light rays as at their best.
 fn four_terms() -> [Box<dyn Method>; 1] {
-    let best = epipolar::Parameters::of(Quality::Ultra);
-    [Box::new(Shafts(epipolar::Parameters { terms: epipolar::Terms::Four, ..best }))]
+    let best = epipolar::EpipolarParameters::of(Quality::Ultra);
+    [Box::new(Shafts(epipolar::EpipolarParameters { terms: epipolar::Terms::Four, ..best }))]
 }
 
 /// The same fog without colours.
@@ -68,25 +69,25 @@ fn slits_of_sunlight_are_as_bright_as_their_lit_segment() {
     let steps = 2000;
     let light_rays = 40_000;
     let methods: [Box<dyn Method>; 4] = [
-        Box::new(Shafts(ray_march::Parameters {
+        Box::new(Shafts(ray_march::RayMarchParameters {
             steps,
             shadow_size,
-            ..ray_march::Parameters::of(Quality::Ultra)
+            ..ray_march::RayMarchParameters::of(Quality::Ultra)
         })),
-        Box::new(Shafts(epipolar::Parameters {
+        Box::new(Shafts(epipolar::EpipolarParameters {
             light_rays,
             shadow_size,
-            ..epipolar::Parameters::of(Quality::Ultra)
+            ..epipolar::EpipolarParameters::of(Quality::Ultra)
         })),
-        Box::new(Shafts(epipolar_sampling::Parameters {
+        Box::new(Shafts(epipolar_sampling::EpipolarSamplingParameters {
             steps,
             shadow_size,
-            ..epipolar_sampling::Parameters::of(Quality::Ultra)
+            ..epipolar_sampling::EpipolarSamplingParameters::of(Quality::Ultra)
         })),
-        Box::new(Shafts(min_max::Parameters {
+        Box::new(Shafts(min_max::MinMaxParameters {
             light_rays,
             shadow_size,
-            ..min_max::Parameters::of(Quality::Ultra)
+            ..min_max::MinMaxParameters::of(Quality::Ultra)
         })),
     ];
     for method in methods {

@@ -18,8 +18,11 @@ const USUAL: [f64; 3] = [1.0, 1.0, 10.0];
 
 /// The same, those on the GPU being so many times less exact.
 fn agreed_but(name: &str, scene: &TracedScene, camera: &Camera, tolerance: f64, of_gpu: [f64; 3]) -> Planes {
-    let long =
-        ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::Medium) };
+    let long = ray_march::RayMarchParameters {
+        steps: 4096,
+        jitter: false,
+        ..ray_march::RayMarchParameters::of(Quality::Medium)
+    };
     let expected = image(&Shafts(long), scene, camera, SIZE).expect("an image");
     assert!(expected.data().iter().all(|value| value.is_finite() && *value >= 0.0), "{name}");
     for method in methods(Quality::Medium) {
@@ -28,7 +31,7 @@ fn agreed_but(name: &str, scene: &TracedScene, camera: &Camera, tolerance: f64, 
         assert!(found.data().iter().all(|value| value.is_finite() && *value >= 0.0), "{name}: {of}");
         let off = error(&found, &expected);
         assert!(
-            off < tolerance || of == epipolar_sampling::Parameters::NAME,
+            off < tolerance || of == epipolar_sampling::EpipolarSamplingParameters::NAME,
             "{name}: {of} is off by {off:e}"
         );
     }
@@ -40,8 +43,8 @@ fn agreed_but(name: &str, scene: &TracedScene, camera: &Camera, tolerance: f64, 
         assert!(off < times * tolerance, "{name}: {of} is off by {off:e}");
     }
     // What is between its samples, epipolar sampling may miss: lines are short here.
-    let usual = epipolar_sampling::Parameters::of(Quality::Medium);
-    let sampling = Shafts(epipolar_sampling::Parameters { spacing: 2, ..usual });
+    let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::Medium);
+    let sampling = Shafts(epipolar_sampling::EpipolarSamplingParameters { spacing: 2, ..usual });
     let off = error(&image(&sampling, scene, camera, SIZE).expect("an image"), &expected);
     assert!(off < 20.0 * tolerance, "{name}: epipolar sampling is off by {off:e}");
     expected
@@ -101,9 +104,10 @@ fn epipolar_sampling_interpolates_around_a_lamp() {
     let scene = scene(vec![floor()], vec![lamp(Vec3::new(0.3, 1.5, -1.0))], fog(0.0, AROUND));
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 4.0), Vec3::new(0.0, 1.4, 0.0));
     let size = [120, 160];
-    let march = ray_march::Parameters { jitter: false, ..ray_march::Parameters::of(Quality::High) };
+    let march =
+        ray_march::RayMarchParameters { jitter: false, ..ray_march::RayMarchParameters::of(Quality::High) };
     let expected = image(&Shafts(march), &scene, &camera, size).expect("an image");
-    let sampling = Shafts(epipolar_sampling::Parameters::of(Quality::Medium));
+    let sampling = Shafts(epipolar_sampling::EpipolarSamplingParameters::of(Quality::Medium));
     let off = error(&image(&sampling, &scene, &camera, size).expect("an image"), &expected);
     assert!(off < 1e-3, "{off:e}");
 }
@@ -164,8 +168,11 @@ fn thick_clouds_behind_empty_cells_are_seen() {
     let medium = Medium { scattering: Vec3::splat(20.0), density: Density::Grid(grid), ..fog(0.3, AROUND) };
     let scene = scene(pergola(), vec![sun(Vec3::new(0.3, -1.0, 0.4))], medium);
     let camera = Camera::look_at(Vec3::new(-14.0, 9.0, 12.0), Vec3::ZERO);
-    let long =
-        ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::Ultra) };
+    let long = ray_march::RayMarchParameters {
+        steps: 4096,
+        jitter: false,
+        ..ray_march::RayMarchParameters::of(Quality::Ultra)
+    };
     let expected = image(&Shafts(long), &scene, &camera, SIZE).expect("an image");
     assert!(!is_black(&expected));
     let [march, _, froxel] = on_gpu();
@@ -282,17 +289,20 @@ fn a_narrow_beam_before_a_wall_is_seen_by_trees_and_missed_between_samples() {
         scene(meshes, vec![sun(Vec3::new(0.9, -1.0, 0.0))], fog(0.0, [[-5.0, -5.0, -5.0], [5.0, 5.0, 5.0]]));
     let camera = Camera::look_at(Vec3::new(2.0, 1.0, 4.0), Vec3::new(2.0, 1.0, 0.0));
     let size = [240, 320];
-    let long =
-        ray_march::Parameters { steps: 4096, jitter: false, ..ray_march::Parameters::of(Quality::Medium) };
+    let long = ray_march::RayMarchParameters {
+        steps: 4096,
+        jitter: false,
+        ..ray_march::RayMarchParameters::of(Quality::Medium)
+    };
     let expected = image(&Shafts(long), &scene, &camera, size).expect("an image");
     let error =
         |method: &dyn Method| error(&image(method, &scene, &camera, size).expect("an image"), &expected);
     // So many steps that only interpolation is wrong.
     let sampling = |spacing: usize| {
-        let usual = epipolar_sampling::Parameters::of(Quality::Medium);
-        error(&Shafts(epipolar_sampling::Parameters { spacing, steps: 4096, ..usual }))
+        let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::Medium);
+        error(&Shafts(epipolar_sampling::EpipolarSamplingParameters { spacing, steps: 4096, ..usual }))
     };
-    let tree = error(&Shafts(epipolar::Parameters::of(Quality::Medium)));
+    let tree = error(&Shafts(epipolar::EpipolarParameters::of(Quality::Medium)));
     let [every, few] = [1, 16].map(sampling);
     assert!(tree < 5e-4 && every < 5e-5, "{tree:e}, {every:e}");
     assert!(few > 4.0 * tree, "{few:e}, {tree:e}");

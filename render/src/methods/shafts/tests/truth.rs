@@ -23,7 +23,7 @@ fn lights() -> [Light; 3] {
 /// The tolerance for a method: more for those that interpolate.
 fn sampled(method: &dyn Method, tolerance: f64) -> f64 {
     match method.name() {
-        epipolar_sampling::Parameters::NAME => 4.0 * tolerance,
+        epipolar_sampling::EpipolarSamplingParameters::NAME => 4.0 * tolerance,
         "froxel" => 5.0 * tolerance,
         _ => tolerance,
     }
@@ -32,18 +32,23 @@ fn sampled(method: &dyn Method, tolerance: f64) -> f64 {
 /// All methods, of which epipolar sampling marches every fourth pixel, since lines are short here.
 fn all_methods() -> [Box<dyn Method>; 4] {
     let [march, tree, _, min_max] = methods(Quality::High);
-    let usual = epipolar_sampling::Parameters::of(Quality::High);
-    [march, tree, Box::new(Shafts(epipolar_sampling::Parameters { spacing: 4, ..usual })), min_max]
+    let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::High);
+    [
+        march,
+        tree,
+        Box::new(Shafts(epipolar_sampling::EpipolarSamplingParameters { spacing: 4, ..usual })),
+        min_max,
+    ]
 }
 
 /// All methods, none of which is told what hides the light.
 fn blind() -> [Box<dyn Method>; 4] {
     let quality = Quality::High;
     [
-        Box::new(Shafts(Unshadowed(ray_march::Parameters::of(quality)))),
-        Box::new(Shafts(Unshadowed(epipolar::Parameters::of(quality)))),
-        Box::new(Shafts(Unshadowed(epipolar_sampling::Parameters::of(quality)))),
-        Box::new(Shafts(Unshadowed(min_max::Parameters::of(quality)))),
+        Box::new(Shafts(Unshadowed(ray_march::RayMarchParameters::of(quality)))),
+        Box::new(Shafts(Unshadowed(epipolar::EpipolarParameters::of(quality)))),
+        Box::new(Shafts(Unshadowed(epipolar_sampling::EpipolarSamplingParameters::of(quality)))),
+        Box::new(Shafts(Unshadowed(min_max::MinMaxParameters::of(quality)))),
     ]
 }
 

@@ -11,10 +11,10 @@ use crate::path::{self, Sampling, Shot};
 use crate::scene::Environment;
 use deepshade_shaders::{Effect, GBuffer};
 
-const COARSE: surfels::Parameters = surfels::Parameters { scale: 0.03, near: 0.25 };
+const COARSE: surfels::SurfelDensity = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
 
-fn parameters() -> Parameters {
-    Parameters { surfels: COARSE, levels: 4, ..Parameters::of(Quality::High) }
+fn parameters() -> SurfelParameters {
+    SurfelParameters { surfels: COARSE, levels: 4, ..SurfelParameters::of(Quality::High) }
 }
 
 fn method() -> ScreenMethod {

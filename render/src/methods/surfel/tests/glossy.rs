@@ -43,8 +43,9 @@ fn off(image: &Planes, truth: &Planes) -> f32 {
 #[test]
 fn a_glossy_floor_mirrors_a_lit_wall_as_truth_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
-    let bounced = bounced_z::Parameters { directions: 8, ..bounced_z::Parameters::of(Quality::High) };
+    let surfel = ScreenMethod::new(&gpu, Disks::new(SurfelParameters::of(Quality::High), GLOSSY));
+    let bounced =
+        bounced_z::BouncedZParameters { directions: 8, ..bounced_z::BouncedZParameters::of(Quality::High) };
     let bounced = ScreenMethod::new(&gpu, Disks::new(bounced, bounced_z::glossy::GLOSSY));
     // Surfels that stand for many blur what a smooth floor mirrors.
     for (roughness, most) in [(0.4, 0.5), (0.8, 0.2)] {
@@ -67,10 +68,10 @@ fn a_glossy_floor_mirrors_a_lit_wall_as_truth_does() {
 #[test]
 fn what_reflects_nothing_specularly_is_black() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
+    let surfel = ScreenMethod::new(&gpu, Disks::new(SurfelParameters::of(Quality::High), GLOSSY));
     let bounced = ScreenMethod::new(
         &gpu,
-        Disks::new(bounced_z::Parameters::of(Quality::High), bounced_z::glossy::GLOSSY),
+        Disks::new(bounced_z::BouncedZParameters::of(Quality::High), bounced_z::glossy::GLOSSY),
     );
     let (scene, view, _) = corner();
     let mut scene = scene.scene().clone();
@@ -85,7 +86,7 @@ fn what_reflects_nothing_specularly_is_black() {
 #[test]
 fn what_is_matte_neither_shines_nor_darkens_what_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let surfel = ScreenMethod::new(&gpu, Disks::new(Parameters::of(Quality::High), GLOSSY));
+    let surfel = ScreenMethod::new(&gpu, Disks::new(SurfelParameters::of(Quality::High), GLOSSY));
     let (scene, view, gbuffer) = corner_over(0.5);
     let metal =
         image(&surfel, &(TracedScene::new(scene.scene().clone()).expect("a corner"), view, gbuffer.clone()));
@@ -114,11 +115,14 @@ fn what_is_matte_neither_shines_nor_darkens_what_does() {
 #[test]
 fn the_passes_reflect_as_the_plain_versions_do() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let coarse = surfels::Parameters { scale: 0.03, near: 0.25 };
-    let parameters = Parameters { surfels: coarse, levels: 4, ..Parameters::of(Quality::High) };
+    let coarse = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
+    let parameters = SurfelParameters { surfels: coarse, levels: 4, ..SurfelParameters::of(Quality::High) };
     let surfel = ScreenMethod::new(&gpu, Disks::new(parameters, GLOSSY));
-    let parameters =
-        bounced_z::Parameters { surfels: coarse, levels: 4, ..bounced_z::Parameters::of(Quality::High) };
+    let parameters = bounced_z::BouncedZParameters {
+        surfels: coarse,
+        levels: 4,
+        ..bounced_z::BouncedZParameters::of(Quality::High)
+    };
     let bounced = ScreenMethod::new(&gpu, Disks::new(parameters, bounced_z::glossy::GLOSSY));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     for roughness in [0.1, 0.5] {

@@ -59,11 +59,11 @@ fn plane_of(mean_free_path: Vec3) -> Scene {
     }
 }
 
-fn parameters(scale: f32, levels: u32) -> Parameters {
-    Parameters { surfels: surfels::Parameters { scale, near: 0.25 }, levels, ..SHARP }
+fn parameters(scale: f32, levels: u32) -> SurfelParameters {
+    SurfelParameters { surfels: surfels::SurfelDensity { scale, near: 0.25 }, levels, ..SHARP }
 }
 
-fn plain((scene, view, gbuffer): &Seen, parameters: &Parameters) -> Planes {
+fn plain((scene, view, gbuffer): &Seen, parameters: &SurfelParameters) -> Planes {
     let surface = &Surface::of(gbuffer).expect("a surface");
     let disks = surfels::reference::laid(scene, &parameters.surfels, view, Some(surfels::Lit::Received));
     let plain = Plain { gbuffer, surface, scene, environment: None, parameters, view };
@@ -84,7 +84,7 @@ fn within(distance: f32) -> f32 {
 /// the surfels.
 fn given_by_a_plane(
     lengths: Vec3,
-    parameters: &Parameters,
+    parameters: &SurfelParameters,
     light: impl Fn(Vec3) -> Vec3 + Sync,
 ) -> (Planes, Vec<Disk>) {
     let (scene, view, gbuffer) = looked_at(plane_of(Vec3::ONE), from_above(), [SIZE; 2], 0.1);
@@ -174,7 +174,8 @@ fn a_slab_lets_through_its_share_and_loses_nothing() {
     // Known by Heaslet and Warming 1965, as truth's own test has it.
     for (paths, known) in [(0.5, 0.7040), (1.0, 0.5532), (2.0, 0.3900)] {
         // Without a blur some pixels give more than they have.
-        let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.02, 4) };
+        let parameters =
+            SurfelParameters { blur: SurfelParameters::of(Quality::High).blur, ..parameters(0.02, 4) };
         let mean = |direction| {
             let image = plain(&slab(paths, sun(direction)), &parameters);
             image.data().iter().sum::<f32>() / image.data().len() as f32
@@ -249,7 +250,8 @@ fn light_does_not_go_from_one_body_to_another() {
     let dark_half =
         |image: &Planes| (0..32 * 48).filter(|i| i % 48 < 23).map(|i| image.plane(0)[i]).fold(0.0, f32::max);
     // With a blur, which must not bring it over either.
-    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.03, 3) };
+    let parameters =
+        SurfelParameters { blur: SurfelParameters::of(Quality::High).blur, ..parameters(0.03, 3) };
     let apart = plain(&seen, &parameters);
     assert_eq!(dark_half(&apart), 0.0);
     assert!(apart.data().iter().any(|light| *light > 0.1), "the other is lit");
@@ -317,7 +319,8 @@ fn still_life() -> Seen {
 #[test]
 fn the_passes_scatter_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.02, 4) };
+    let parameters =
+        SurfelParameters { blur: SurfelParameters::of(Quality::High).blur, ..parameters(0.02, 4) };
     // Of radiances up to about 4. Shadow maps end within a texel of where shadows do; radiance has nine bits.
     let tolerance = Tolerance { usual: 2e-2, worst: 0.5 };
     let camera = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
@@ -334,7 +337,8 @@ fn the_passes_scatter_as_the_plain_version_does() {
 
 #[test]
 fn it_is_nearer_to_truth_than_light_that_is_not_scattered() {
-    let parameters = Parameters { blur: Parameters::of(Quality::High).blur, ..parameters(0.015, 4) };
+    let parameters =
+        SurfelParameters { blur: SurfelParameters::of(Quality::High).blur, ..parameters(0.015, 4) };
     let above = Camera::look_at(Vec3::new(0.06, -0.14, 0.24), Vec3::new(0.01, 0.0, 0.0));
     for (name, seen) in
         [("partly lit", looked_at(blocks(ONE), above, [43, 61], 0.2)), ("still life", still_life())]

@@ -35,7 +35,7 @@ fn right(extinction: f32, [from, to]: [f32; 2]) -> f32 {
 #[test]
 fn lit_fog_and_a_shaft_of_light_have_closed_forms() {
     let gpu = gpu();
-    let fine = Parameters { samples: 64, ..coarse() };
+    let fine = VolumeShellParameters { samples: 64, ..coarse() };
     let method = ScreenMethod::new(&gpu, Direct(fine));
     for extinction in [0.05, 0.5] {
         for (roof, lit) in
@@ -52,7 +52,7 @@ fn lit_fog_and_a_shaft_of_light_have_closed_forms() {
 fn more_intervals_are_nearer_to_a_shaft() {
     let gpu = gpu();
     let off = |samples| {
-        let method = ScreenMethod::new(&gpu, Direct(Parameters { samples, ..coarse() }));
+        let method = ScreenMethod::new(&gpu, Direct(VolumeShellParameters { samples, ..coarse() }));
         let right = right(0.5, [0.0, 1.0]);
         let image = shaded(&method, &sheet(0.5, Some([1.0, 3.0])));
         image.data().iter().map(|found| (found / right - 1.0).powi(2)).sum::<f32>()

@@ -49,7 +49,8 @@ fn a_grey_medium_needs_no_colours_and_smoke_does() {
 #[test]
 fn without_far_light_the_image_is_darker_the_larger_the_threshold() {
     let (gpu, seen) = (gpu(), filled(fog(0.3)));
-    let light = |threshold, parameters| mean(&image(&gpu, Parameters { threshold, ..parameters }, &seen));
+    let light =
+        |threshold, parameters| mean(&image(&gpu, VolumeShellParameters { threshold, ..parameters }, &seen));
     let near = without(Improvement::FarLight);
     let [small, large] = [0.01, 0.5].map(|threshold| light(threshold, near));
     assert!(large < 0.7 * small, "{large}, {small}");
@@ -64,14 +65,15 @@ fn edges_of_a_medium_stay_sharp() {
     let half = Bounds { max: Vec3::new(-0.5, 2.0, 4.0), ..BOX };
     let medium = Medium { density: Density::Within(half), ..fog(1.0) };
     let seen = filled(medium);
-    let fine = Parameters { levels: 1, ..coarse() };
-    let blurred = Parameters { levels: 5, ..coarse() };
+    let fine = VolumeShellParameters { levels: 1, ..coarse() };
+    let blurred = VolumeShellParameters { levels: 5, ..coarse() };
     let sharp = image(&gpu, fine, &seen);
     let beside = |image: &Planes| {
         let pairs = image.data().iter().zip(sharp.data());
         pairs.filter(|(_, sharp)| **sharp == 0.0).map(|(found, _)| *found).sum::<f32>()
     };
-    let plain = Parameters { improvements: without(Improvement::Silhouettes).improvements, ..blurred };
+    let plain =
+        VolumeShellParameters { improvements: without(Improvement::Silhouettes).improvements, ..blurred };
     assert_eq!(beside(&image(&gpu, blurred, &seen)), 0.0);
     assert!(beside(&image(&gpu, plain, &seen)) > 0.0);
 }
@@ -81,9 +83,11 @@ fn encodings_agree_where_density_changes_slowly_and_not_in_thin_layers() {
     let gpu = gpu();
     let off = |medium: Medium| {
         let seen = filled(medium);
-        let parameters = Parameters { steps: 200, ..coarse() };
-        let paper =
-            Parameters { improvements: Improvements::ALL.without(Improvement::WideEncoding), ..parameters };
+        let parameters = VolumeShellParameters { steps: 200, ..coarse() };
+        let paper = VolumeShellParameters {
+            improvements: Improvements::ALL.without(Improvement::WideEncoding),
+            ..parameters
+        };
         let wide = image(&gpu, parameters, &seen);
         mean_difference(&wide, &image(&gpu, paper, &seen)) / mean(&wide)
     };

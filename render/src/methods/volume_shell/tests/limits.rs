@@ -85,7 +85,7 @@ fn where_nothing_scatters_it_is_black() {
     let nothing = Medium { density: Density::Grid(nothing), ..fog(0.5) };
     for medium in [None, Some(absorbs), Some(away), Some(nothing), Some(fog(0.0))] {
         for improvements in [Improvements::ALL, Improvements::NONE] {
-            let parameters = Parameters { improvements, ..coarse() };
+            let parameters = VolumeShellParameters { improvements, ..coarse() };
             let seen = room(vec![lamp(Vec3::new(0.0, 1.5, 0.0))], eye, target, medium.clone());
             assert!(is_black(&image(&gpu, parameters, &seen)), "{medium:?}");
         }

@@ -16,7 +16,7 @@ fn indirect_light_is_as_bright_as_truth() {
     for medium in [fog(0.3), smoke()] {
         let seen = filled(medium);
         let truth = truth(Effect::FogIndirect, &seen);
-        let image = image(&gpu, Parameters::of(Quality::High), &seen);
+        let image = image(&gpu, VolumeShellParameters::of(Quality::High), &seen);
         let ratio = mean(&image) / mean(&truth);
         assert!((ratio - 1.0).abs() < 0.08, "{ratio}");
         let off = mean_difference(&image, &truth) / mean(&truth);
@@ -27,7 +27,7 @@ fn indirect_light_is_as_bright_as_truth() {
 #[test]
 fn direct_light_is_as_bright_as_truth() {
     let gpu = gpu();
-    let method = ScreenMethod::new(&gpu, Direct(Parameters::of(Quality::High)));
+    let method = ScreenMethod::new(&gpu, Direct(VolumeShellParameters::of(Quality::High)));
     for medium in [fog(0.3), smoke()] {
         let seen = filled(medium);
         let truth = truth(Effect::FogDirect, &seen);

@@ -21,7 +21,7 @@ fn the_passes_make_what_the_plain_version_does() {
 fn they_do_so_without_each_improvement() {
     let gpu = gpu();
     let seen = filled_at(smoke(), 21, 30);
-    let as_in_the_paper = Parameters { improvements: Improvements::NONE, ..coarse() };
+    let as_in_the_paper = VolumeShellParameters { improvements: Improvements::NONE, ..coarse() };
     for parameters in Improvement::ALL.map(without).into_iter().chain([as_in_the_paper]) {
         println!("{:?}", parameters.improvements);
         prove_twin(&ScreenMethod::new(&gpu, parameters), &seen, TOLERANCE);
@@ -32,8 +32,8 @@ fn they_do_so_without_each_improvement() {
 #[test]
 fn long_walks_are_walked_to_their_end() {
     let gpu = gpu();
-    let long = Parameters {
-        surfels: surfels::Parameters { scale: 0.04, near: 0.25 },
+    let long = VolumeShellParameters {
+        surfels: surfels::SurfelDensity { scale: 0.04, near: 0.25 },
         threshold: 0.01,
         levels: 2,
         ..coarse()

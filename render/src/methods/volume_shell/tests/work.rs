@@ -3,7 +3,7 @@
 use super::*;
 use crate::methods::volume_shell::reference::{Work, work};
 
-fn of(parameters: Parameters, (scene, view, gbuffer): &Seen) -> Work {
+fn of(parameters: VolumeShellParameters, (scene, view, gbuffer): &Seen) -> Work {
     work(gbuffer, scene, &parameters, view).expect("attributes")
 }
 
@@ -16,7 +16,7 @@ fn slope([few, many]: [u64; 2], [small, large]: [f64; 2]) -> f64 {
 fn work_is_linear_in_intervals() {
     let seen = filled_at(smoke(), 24, 32);
     for improvements in [Improvements::ALL, Improvements::NONE] {
-        let visits = |samples| of(Parameters { samples, improvements, ..coarse() }, &seen).visits;
+        let visits = |samples| of(VolumeShellParameters { samples, improvements, ..coarse() }, &seen).visits;
         let power = slope([16, 64].map(visits), [15.0, 63.0]);
         assert!((power - 1.0).abs() < 0.05, "{power}");
     }
@@ -32,8 +32,9 @@ fn work_is_linear_in_pixels() {
 #[test]
 fn work_grows_no_faster_than_surfels() {
     let seen = filled_at(smoke(), 24, 32);
-    let of =
-        |scale: f32| of(Parameters { surfels: surfels::Parameters { scale, near: 0.25 }, ..coarse() }, &seen);
+    let of = |scale: f32| {
+        of(VolumeShellParameters { surfels: surfels::SurfelDensity { scale, near: 0.25 }, ..coarse() }, &seen)
+    };
     // Half the radius, four times the surfels.
     let power = slope([0.1, 0.05].map(|scale| of(scale).visits), [1.0, 4.0]);
     assert!((0.2..1.05).contains(&power), "{power}");
