@@ -15,14 +15,6 @@ pub const WITH_STUDIES: [&str; 7] =
 pub struct Program(PathBuf);
 
 impl Program {
-    /// Builds it.
-    ///
-    /// # Errors
-    /// If it does not build.
-    pub fn build() -> Result<Self> {
-        Self::build_by(&["build", "--release", "--locked"])
-    }
-
     /// Builds it by such arguments of cargo's.
     ///
     /// # Errors

@@ -38,7 +38,6 @@ pub struct Args {
     #[arg(long)]
     test: bool,
     /// Writes the figures of the test here as JSON.
-    #[cfg_attr(not(feature = "browser"), expect(dead_code, reason = "the test alone has figures"))]
     #[arg(long, requires = "test")]
     json: Option<PathBuf>,
 }
