@@ -108,7 +108,7 @@ pub type Written = Vec<Vec<f32>>;
 /// A method that shades the screen, on a device. Clones share their compiled passes.
 #[derive(Clone, Debug)]
 pub struct ScreenMethod {
-    gpu: Gpu,
+    gpu: Arc<Gpu>,
     device: Device,
     technique: Arc<dyn Technique>,
 }
@@ -116,7 +116,8 @@ pub struct ScreenMethod {
 impl ScreenMethod {
     /// A technique on a device; its passes are compiled where they are first bound.
     pub fn new(gpu: &Gpu, technique: impl Technique + 'static) -> Self {
-        Self { gpu: gpu.clone(), device: Device::new(&gpu.device), technique: Arc::new(technique) }
+        let (gpu, device) = (Arc::new(gpu.clone()), Device::new(&gpu.device));
+        Self { gpu, device, technique: Arc::new(technique) }
     }
 
     /// Another technique with the same passes, such as other parameters; what was compiled stays.
@@ -146,7 +147,7 @@ impl ScreenMethod {
     }
 
     /// Where its passes run.
-    pub const fn gpu(&self) -> &Gpu {
+    pub fn gpu(&self) -> &Gpu {
         &self.gpu
     }
 
@@ -166,7 +167,7 @@ impl ScreenMethod {
     pub fn shade_in_passes(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
         let About { name: method, effect, attributes, looks_beyond, .. } = self.about();
         let failed = |source: GpuError| MethodError::Gpu { method, source };
-        let Gpu { device, queue, .. } = &self.gpu;
+        let Gpu { device, queue, .. } = self.gpu();
         let view = View::from(frame);
         let gbuffer = GpuGBuffer::upload(device, &self.seen(frame), attributes)
             .map_err(|error| error.of_method(method))?;

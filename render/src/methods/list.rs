@@ -27,10 +27,11 @@ pub struct Entry {
     /// Whether it shades the screen in passes.
     pub is_on_screen: bool,
     dials: Box<dyn Fn(Quality) -> Vec<Dial> + Send + Sync>,
-    open: Open,
+    open: Box<Opening>,
 }
 
-type Open = Box<dyn Fn(&Gpu, &Tuning) -> Result<Opened, DialError> + Send + Sync>;
+/// How a method is opened, on an adapter, with what is set.
+type Opening = dyn Fn(&Gpu, &Tuning) -> Result<Opened, DialError> + Send + Sync;
 
 /// A method that was opened.
 pub enum Opened {
