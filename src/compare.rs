@@ -14,7 +14,7 @@ mod values;
 pub use contest::Contest;
 pub use description::Comparison;
 pub use key::{Digest, file_digest, maker};
-pub use make::{Head, Settings, Subject, make, wanted};
+pub use make::{ComparedView, Head, Settings, make, wanted};
 pub use plan::folder_name;
 pub use run::Run;
 pub use values::MethodChoice;
@@ -216,7 +216,7 @@ fn make_all(
         let medium = || ("medium".to_owned(), run.additions().heard_by(effect).medium_in_words());
         let medium = effect.listens_to(Setting::Medium).then(medium);
         let added = added.iter().map(|added| ("added".to_owned(), added.clone()));
-        let subject = Subject {
+        let subject = ComparedView {
             scene: &completed.scene,
             view: &View { camera: completed.camera, ..view.clone() },
             settings: *settings,

@@ -1,7 +1,7 @@
 //! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
 //! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
 
-use crate::compare::{self, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings, Subject};
+use crate::compare::{self, ComparedView, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings};
 use crate::figures::Figures;
 use crate::methods;
 use crate::place::Place;
@@ -123,7 +123,7 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
         };
         let head = head(&maker, &view, settings, &contest, folder);
         let contestants = contest.of(effect).collect();
-        let subject = Subject { scene: &scene, view: &view, settings, contestants, facts: Vec::new() };
+        let subject = ComparedView { scene: &scene, view: &view, settings, contestants, facts: Vec::new() };
         frames.push(compare::make(folder, &head, &subject, &|_| ()).with_context(|| view.name.clone())?);
     }
     Ok(Report { frames, quality: Quality::High.name().to_owned(), machine })

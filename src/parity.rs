@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> Result<()> {
             let order = format!("{order:?}").to_lowercase();
             let name = format!("random {}, {order}", spec.effect);
             check.sizes(
-                &Subject { name, model: &model, file },
+                &ExportedModel { name, model: &model, file },
                 &args.sizes,
                 &[Image::Noise { half: true }],
             )?;
@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let (Some(model), Some(folder)) = (&model, &place) {
         let name = folder.display().to_string();
-        let subject = Subject { name: name.clone(), model, file: folder.join(ONNX_FILE) };
+        let subject = ExportedModel { name: name.clone(), model, file: folder.join(ONNX_FILE) };
         check.sizes(&subject, &args.sizes, &[Image::Noise { half: false }, Image::Frame])?;
         check.stored(&name, model, &Parity::load(folder, &model.spec)?);
     }
@@ -150,7 +150,7 @@ struct Wgsl {
 }
 
 /// A network with the file that it was exported to.
-struct Subject<'a> {
+struct ExportedModel<'a> {
     /// What lines call it.
     name: String,
     model: &'a Model,
@@ -186,7 +186,7 @@ impl Image {
 
 impl Check<'_> {
     /// Compares all forms of a network on images of each size.
-    fn sizes(&mut self, subject: &Subject<'_>, sizes: &[Size], images: &[Image]) -> Result<()> {
+    fn sizes(&mut self, subject: &ExportedModel<'_>, sizes: &[Size], images: &[Image]) -> Result<()> {
         let mut session = self.onnxruntime.session(&subject.file, rayon::current_num_threads())?;
         let kernels = kernels(&self.gpu, subject.model)?;
         for Size { width, height } in sizes {
@@ -248,7 +248,7 @@ impl Check<'_> {
     fn explain(
         &mut self,
         what: &str,
-        Subject { model, file, .. }: &Subject<'_>,
+        ExportedModel { model, file, .. }: &ExportedModel<'_>,
         kernels: &[&Wgsl],
         input: &Planes,
     ) -> Result<()> {

@@ -14,7 +14,7 @@ use crate::origin::{Origin, Out};
 use crate::plan::{Part, PlannedScene, PlannedView};
 use crate::shard::Shard;
 use crate::target::{self, TargetMethod};
-use crate::{DatasetError, Props, Recipe, StagedScene, Subject, progress, truth};
+use crate::{DatasetError, Props, Recipe, SceneOrCapture, StagedScene, progress, truth};
 use deepshade_render::exr_file::{Layer, Metadata, encode};
 use deepshade_render::path::Estimate;
 use deepshade_render::scene::procedural::Split;
@@ -167,7 +167,7 @@ impl Work<'_> {
         if let Some(records) = scene.views.iter().map(known).collect() {
             return Ok(records);
         }
-        if let Subject::Capture(folder) = &scene.scene.source {
+        if let SceneOrCapture::Capture(folder) = &scene.scene.source {
             let capture = captured::Frames::open(self.recipe, scene, folder)?;
             let record =
                 |view: &PlannedView| known(view).map_or_else(|| self.captured(scene, &capture, view), Ok);

@@ -48,7 +48,7 @@ pub use origin::{Origin, Out, data_version};
 pub use plan::Part;
 pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
-pub use scene::{SceneRecord, Subject};
+pub use scene::{SceneOrCapture, SceneRecord};
 pub use sensor::Sensor;
 pub use shard::Shard;
 pub use shard::merge::merge;

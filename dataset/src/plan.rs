@@ -3,7 +3,7 @@
 use crate::capture::{Capture, View};
 use crate::random::mix;
 use crate::recipe::Resolution;
-use crate::{DatasetError, Recipe, SceneRecord, Subject};
+use crate::{DatasetError, Recipe, SceneOrCapture, SceneRecord};
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
 use deepshade_shaders::lists;
@@ -60,13 +60,16 @@ impl Recipe {
         }
         for (path, identity) in self.files.iter().zip(self.file_identities()?) {
             let (key, source) = (text_key(&identity.hash), SceneSource::File(path.clone()));
-            let scene = SceneRecord { source: Subject::Scene(source), blake3: Some(identity.hash) };
+            let scene = SceneRecord { source: SceneOrCapture::Scene(source), blake3: Some(identity.hash) };
             scenes.push((key, scene));
         }
         for folder in &self.captures {
             let (_, hash) = self.capture(folder)?;
             let key = text_key(&hash);
-            scenes.push((key, SceneRecord { source: Subject::Capture(folder.clone()), blake3: Some(hash) }));
+            scenes.push((
+                key,
+                SceneRecord { source: SceneOrCapture::Capture(folder.clone()), blake3: Some(hash) },
+            ));
         }
         let count = scenes.len();
         let named = self.scene_names().into_iter().zip(scenes).enumerate();
@@ -154,7 +157,7 @@ impl Recipe {
 
 /// The key of a family's scene, and where it comes from.
 fn procedural(family: Family, seed: u64) -> (u64, SceneRecord) {
-    let source = Subject::Scene(SceneSource::Procedural(family, seed));
+    let source = SceneOrCapture::Scene(SceneSource::Procedural(family, seed));
     (text_key(family.name()) ^ seed, SceneRecord { source, blake3: None })
 }
 

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// stored.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub enum Subject {
+pub enum SceneOrCapture {
     /// What is rendered.
     Scene(SceneSource),
     /// What was photographed: the folder of a [`Capture`](crate::Capture).
@@ -21,7 +21,7 @@ pub enum Subject {
 /// What stands before a capture's folder.
 const CAPTURE: &str = "capture:";
 
-impl TryFrom<String> for Subject {
+impl TryFrom<String> for SceneOrCapture {
     type Error = SceneError;
 
     fn try_from(text: String) -> Result<Self, SceneError> {
@@ -32,13 +32,13 @@ impl TryFrom<String> for Subject {
     }
 }
 
-impl From<Subject> for String {
-    fn from(subject: Subject) -> Self {
+impl From<SceneOrCapture> for String {
+    fn from(subject: SceneOrCapture) -> Self {
         subject.to_string()
     }
 }
 
-impl std::fmt::Display for Subject {
+impl std::fmt::Display for SceneOrCapture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Scene(source) => source.fmt(f),
@@ -52,7 +52,7 @@ impl std::fmt::Display for Subject {
 #[serde(deny_unknown_fields)]
 pub struct SceneRecord {
     /// Where it comes from; a file or folder is named as in the recipe, relative to the recipe's folder.
-    pub source: Subject,
+    pub source: SceneOrCapture,
     /// Of a file, [`scene_hash`] of what was in it; of a capture, [`Capture::hash`](crate::Capture::hash) of its frames
     /// that data are of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -74,14 +74,14 @@ impl SceneRecord {
     /// As [`SceneRecord::load`].
     pub fn read(&self, folder: &Path) -> Result<Scene, DatasetError> {
         Ok(match &self.source {
-            Subject::Capture(folder_of) => {
+            SceneOrCapture::Capture(folder_of) => {
                 return Err(DatasetError::invalid(
                     &folder.join(folder_of),
                     "is a capture, where a scene is due",
                 ));
             }
-            Subject::Scene(SceneSource::Procedural(family, seed)) => family.scene(*seed),
-            Subject::Scene(SceneSource::File(path)) => {
+            SceneOrCapture::Scene(SceneSource::Procedural(family, seed)) => family.scene(*seed),
+            SceneOrCapture::Scene(SceneSource::File(path)) => {
                 let path = folder.join(path);
                 let scene = Scene::load(&path, 0.0)?;
                 if self.blake3 != Some(scene_hash(&scene)) {

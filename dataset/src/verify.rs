@@ -4,7 +4,7 @@ use crate::manifest::MANIFEST;
 use crate::origin::recipe_hash;
 use crate::recipe::file_hash;
 use crate::shard::merge::list_fault;
-use crate::{Dataset, DatasetError, Manifest, Pair, Shard, Subject, progress};
+use crate::{Dataset, DatasetError, Manifest, Pair, SceneOrCapture, Shard, progress};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use glam::Vec3;
@@ -94,11 +94,11 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
 /// The hash of the recipe with the scene files and captures that the pairs say they are of, and the other files as stated.
 fn stated_recipe_hash(manifest: &Manifest) -> Option<String> {
     let recipe = &manifest.origin.recipe;
-    let stated = |source: Subject| {
+    let stated = |source: SceneOrCapture| {
         manifest.pairs.iter().find(|pair| pair.scene.source == source)?.scene.blake3.as_deref()
     };
-    let files = recipe.files.iter().map(|file| Subject::Scene(SceneSource::File(file.clone())));
-    let captures = recipe.captures.iter().map(|folder| Subject::Capture(folder.clone()));
+    let files = recipe.files.iter().map(|file| SceneOrCapture::Scene(SceneSource::File(file.clone())));
+    let captures = recipe.captures.iter().map(|folder| SceneOrCapture::Capture(folder.clone()));
     let props = manifest.origin.props.values().map(String::as_str);
     recipe_hash(recipe, files.chain(captures).filter_map(stated).chain(props)).ok()
 }

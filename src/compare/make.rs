@@ -61,7 +61,7 @@ pub struct Head {
 }
 
 /// What a frame is made from.
-pub struct Subject<'a> {
+pub struct ComparedView<'a> {
     /// The scene with all that the effect needs.
     pub scene: &'a TracedScene,
     /// From where it is seen.
@@ -99,8 +99,13 @@ pub fn wanted(key: &str, contestant: &Contestant) -> Wanted {
 ///
 /// # Errors
 /// If the view sees nothing, a method fails, or a file cannot be written.
-pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&str)) -> Result<FrameRecord> {
-    let Subject { scene, view, settings, .. } = *subject;
+pub fn make(
+    folder: &Folder,
+    head: &Head,
+    subject: &ComparedView<'_>,
+    at: &impl Fn(&str),
+) -> Result<FrameRecord> {
+    let ComparedView { scene, view, settings, .. } = *subject;
     let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
     let gbuffer = gbuffer::render(scene, &view.camera, height, width, effect.attributes());
     ensure!(gbuffer.seen()?.contains(&true), "view `{}` sees nothing of the scene", view.name);
@@ -149,7 +154,7 @@ pub fn make(folder: &Folder, head: &Head, subject: &Subject<'_>, at: &impl Fn(&s
 }
 
 /// The fact that a frame is unlike those that networks were trained on, if it is.
-fn outside(subject: &Subject<'_>, gbuffer: &GBuffer) -> Option<(String, String)> {
+fn outside(subject: &ComparedView<'_>, gbuffer: &GBuffer) -> Option<(String, String)> {
     let said = |one: &&Contestant| {
         Some(format!("{}: {}", one.label, one.outside(gbuffer, subject.settings.radius)?))
     };
@@ -161,7 +166,7 @@ fn outside(subject: &Subject<'_>, gbuffer: &GBuffer) -> Option<(String, String)>
 fn make_truth(
     folder: &Folder,
     head: &Head,
-    subject: &Subject<'_>,
+    subject: &ComparedView<'_>,
     gbuffer: &GBuffer,
 ) -> Result<(FrameRecord, Planes)> {
     let Settings { effect, height, width, radius, goal, seed, .. } = subject.settings;
@@ -196,8 +201,8 @@ fn metadata(record: &FrameRecord) -> Metadata {
     facts.chain([("frame".to_owned(), record.name.clone())]).collect()
 }
 
-fn facts(subject: &Subject<'_>, samples: u32) -> Vec<(String, String)> {
-    let Subject { scene, view, settings, .. } = *subject;
+fn facts(subject: &ComparedView<'_>, samples: u32) -> Vec<(String, String)> {
+    let ComparedView { scene, view, settings, .. } = *subject;
     let position = view.camera.position;
     let radius = || ("radius", radius::in_words(settings.radius, scene.diagonal()));
     let reach = settings.effect.listens_to(Setting::Radius).then(radius);

@@ -6,7 +6,7 @@ use crate::statistics::{Estimate, estimate, scene_means};
 use anyhow::{Context, Result};
 use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
-use deepshade_dataset::{SceneRecord, StagedScene, Subject, TestFrame, TestSet};
+use deepshade_dataset::{SceneOrCapture, SceneRecord, StagedScene, TestFrame, TestSet};
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::metrics::{exposed, flip, psnr, relative_mse, ssim};
 use deepshade_render::scene::SceneSource;
@@ -115,7 +115,7 @@ impl Evaluation {
         })
     }
 
-    fn add(&mut self, source: &Subject, name: &str, value: f64) {
+    fn add(&mut self, source: &SceneOrCapture, name: &str, value: f64) {
         let parts = [("origins", origin(source)), ("kinds", kind(source)), ("scenes", source.to_string())];
         let entry = (self.scene(&source.to_string()), value);
         self.overall.entry(name.to_owned()).or_default().push(entry);
@@ -218,18 +218,18 @@ fn score_frame(
 }
 
 /// Whether a scene is procedural or somebody's.
-fn origin(source: &Subject) -> String {
+fn origin(source: &SceneOrCapture) -> String {
     match source {
-        Subject::Scene(SceneSource::Procedural(..)) => "procedural".to_owned(),
-        Subject::Scene(SceneSource::File(_)) | Subject::Capture(_) => "files".to_owned(),
+        SceneOrCapture::Scene(SceneSource::Procedural(..)) => "procedural".to_owned(),
+        SceneOrCapture::Scene(SceneSource::File(_)) | SceneOrCapture::Capture(_) => "files".to_owned(),
     }
 }
 
 /// What scenes are grouped by: the family, or the file's name.
-fn kind(source: &Subject) -> String {
+fn kind(source: &SceneOrCapture) -> String {
     match source {
-        Subject::Scene(SceneSource::Procedural(family, _)) => family.name().to_owned(),
-        Subject::Scene(SceneSource::File(path)) | Subject::Capture(path) => {
+        SceneOrCapture::Scene(SceneSource::Procedural(family, _)) => family.name().to_owned(),
+        SceneOrCapture::Scene(SceneSource::File(path)) | SceneOrCapture::Capture(path) => {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
         }
     }
@@ -246,7 +246,7 @@ pub mod tests {
     pub fn evaluation(scenes: &[(&str, &[Values<'_>])]) -> Evaluation {
         let mut evaluation = Evaluation::default();
         for (scene, frames) in scenes {
-            let source = Subject::try_from((*scene).to_owned()).expect("a scene");
+            let source = SceneOrCapture::try_from((*scene).to_owned()).expect("a scene");
             for frame in *frames {
                 evaluation.frames += 1;
                 frame.iter().for_each(|(name, value)| evaluation.add(&source, name, *value));
@@ -257,7 +257,7 @@ pub mod tests {
 
     #[test]
     fn scenes_are_grouped_by_family_and_by_file() {
-        let kind = |text: &str| kind(&Subject::try_from(text.to_owned()).expect("a scene"));
+        let kind = |text: &str| kind(&SceneOrCapture::try_from(text.to_owned()).expect("a scene"));
         assert_eq!((kind("drapery:7"), kind("drapery:8")), ("drapery".to_owned(), "drapery".to_owned()));
         assert_eq!(kind("../some:where/hall.gltf"), "hall.gltf");
     }

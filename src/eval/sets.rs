@@ -2,7 +2,7 @@
 //! is asked for.
 
 use anyhow::{Result, ensure};
-use deepshade_dataset::{Subject, TestSet};
+use deepshade_dataset::{SceneOrCapture, TestSet};
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use std::path::{Path, PathBuf};
@@ -119,11 +119,11 @@ fn located(set: TestSet, scenes: Option<&Path>) -> TestSet {
 
 /// The first file or folder that a set's scenes are from and that is not there.
 fn missing(set: &TestSet) -> Option<PathBuf> {
-    let file = |source: &Subject| match source {
-        Subject::Scene(SceneSource::File(path)) | Subject::Capture(path) => {
+    let file = |source: &SceneOrCapture| match source {
+        SceneOrCapture::Scene(SceneSource::File(path)) | SceneOrCapture::Capture(path) => {
             Some(set.recipe().folder.join(path))
         }
-        Subject::Scene(SceneSource::Procedural(..)) => None,
+        SceneOrCapture::Scene(SceneSource::Procedural(..)) => None,
     };
     set.frames().iter().filter_map(|frame| file(&frame.scene.source)).find(|path| !path.exists())
 }

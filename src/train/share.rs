@@ -1,7 +1,7 @@
 //! A radius in metres as a share of scenes' diagonals, by which a network of the paper's measures.
 
 use anyhow::{Context, Result, ensure};
-use deepshade_dataset::{Recipe, Subject};
+use deepshade_dataset::{Recipe, SceneOrCapture};
 use deepshade_shaders::lists;
 
 /// The most scenes whose diagonals are looked at.
@@ -15,7 +15,7 @@ const MOST: usize = 16;
 pub fn of_metres(recipe: &Recipe, metres: f32) -> Result<f32> {
     let scenes: Vec<_> = recipe.plan()?.into_iter().map(|planned| planned.scene).collect();
     let rendered: Vec<_> =
-        scenes.into_iter().filter(|scene| matches!(scene.source, Subject::Scene(_))).collect();
+        scenes.into_iter().filter(|scene| matches!(scene.source, SceneOrCapture::Scene(_))).collect();
     let diagonal = |index: usize| {
         let scene = &rendered[index];
         let read = scene.read(&recipe.folder).with_context(|| scene.source.to_string())?;

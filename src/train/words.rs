@@ -42,12 +42,12 @@ pub fn held_apart_of_stream(recipe: &Recipe, pairs: usize) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_dataset::{SceneRecord, Subject};
+    use deepshade_dataset::{SceneOrCapture, SceneRecord};
     use deepshade_render::scene::Camera;
     use glam::Vec3;
 
     fn pair(scene: &str, part: Part) -> PairRecord {
-        let source = Subject::try_from(scene.to_owned()).expect("a scene");
+        let source = SceneOrCapture::try_from(scene.to_owned()).expect("a scene");
         PairRecord {
             file: String::new(),
             blake3: String::new(),

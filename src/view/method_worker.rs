@@ -7,7 +7,7 @@ use super::Args;
 use super::catch_panic::catch_panic;
 use super::display_image::DisplayImage;
 use super::request_slot::RequestSlot;
-use super::subject::Subject;
+use super::subject::PreparedScene;
 use super::workers::{SendUpdate, Update};
 use crate::learned::{self, Learned};
 use crate::live::{Live, Wanted};
@@ -108,7 +108,7 @@ pub fn run(args: &Args, requests: &RequestSlot<Request>, send: SendUpdate<'_>) {
 struct MethodWorker {
     gpu: Option<Gpu>,
     /// The scene, and how often one had been opened when it was read.
-    subject: Option<(u32, Arc<Subject>)>,
+    subject: Option<(u32, Arc<PreparedScene>)>,
     scene: Option<LiveScene>,
     passes: Vec<Pass>,
     /// The picture that was made last.
@@ -165,15 +165,15 @@ impl MethodWorker {
 
     /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are
     /// now.
-    fn subject(&mut self, args: &Args, show: &Show, send: SendUpdate<'_>) -> Result<Arc<Subject>> {
+    fn subject(&mut self, args: &Args, show: &Show, send: SendUpdate<'_>) -> Result<Arc<PreparedScene>> {
         if let Some((opened, subject)) = &self.subject
             && (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
         {
             return Ok(Arc::clone(subject));
         }
         self.scene = None;
-        let subject = Arc::new(Subject::load(args, &show.source, show.effect)?);
-        send(Update::Subject(Arc::clone(&subject)));
+        let subject = Arc::new(PreparedScene::load(args, &show.source, show.effect)?);
+        send(Update::PreparedScene(Arc::clone(&subject)));
         self.subject = Some((show.scenes_opened, Arc::clone(&subject)));
         Ok(subject)
     }
@@ -188,7 +188,7 @@ impl MethodWorker {
 }
 
 impl LiveScene {
-    fn new(args: &Args, gpu: Gpu, subject: &Subject, show: &Show, camera: &Camera) -> Result<Self> {
+    fn new(args: &Args, gpu: Gpu, subject: &PreparedScene, show: &Show, camera: &Camera) -> Result<Self> {
         let screen = methods::screen_names(show.effect);
         let (on_screen, others): (Vec<&str>, Vec<&str>) =
             show.methods.iter().partition(|name| screen.contains(name));
@@ -251,7 +251,7 @@ impl LiveScene {
     /// run on the processor.
     fn images(
         &self,
-        subject: &Subject,
+        subject: &PreparedScene,
         request: &Request,
         camera: &Camera,
         lights: &[Light],

@@ -16,7 +16,7 @@ use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A scene with all that an effect needs of it.
-pub struct Subject {
+pub struct PreparedScene {
     /// Where it is from.
     pub source: SceneSource,
     /// The effect it was completed for.
@@ -39,7 +39,7 @@ pub struct Subject {
     traced: Mutex<Option<(f32, Arc<TracedScene>)>>,
 }
 
-impl Subject {
+impl PreparedScene {
     /// Reads a scene and completes it.
     ///
     /// # Errors
@@ -180,7 +180,7 @@ mod tests {
         let args = args(&format!("--scene still-life:1 --height 16 --width 16 {options}"));
         let source = "still-life:1".parse().expect("a scene");
         for effect in [Effect::FogDirect, Effect::Ao, Effect::Sss, Effect::Dof] {
-            let subject = Subject::load(&args, &source, effect).expect("a scene");
+            let subject = PreparedScene::load(&args, &source, effect).expect("a scene");
             let scene = &subject.animated.scene;
             assert_eq!(scene.medium.is_some(), effect == Effect::FogDirect, "{effect}");
             let looks_through = matches!(effect, Effect::FogDirect | Effect::Dof);
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn lights_that_nobody_has_moved_are_the_files() {
         let args = args("--scene still-life:1 --height 16 --width 16 --effect gi");
-        let subject = Subject::load(&args, &args.scene, Effect::Gi).expect("a scene");
+        let subject = PreparedScene::load(&args, &args.scene, Effect::Gi).expect("a scene");
         let own = subject.lights(None);
         let bright: Vec<Light> = own.iter().map(|light| light.brighter(2.0)).collect();
         assert_eq!((subject.moved(None), subject.moved(Some(own))), (None, None));
@@ -220,7 +220,7 @@ mod tests {
         std::fs::write(&file, LAMP).expect("written");
         let source = SceneSource::File(file.clone());
         let args = args(&format!("--scene {} --effect gi --eye 0,4,3 --look-at 0,0,0", file.display()));
-        let subject = Subject::load(&args, &source, Effect::Gi).expect("a scene");
+        let subject = PreparedScene::load(&args, &source, Effect::Gi).expect("a scene");
         std::fs::remove_file(&file).expect("deleted");
         assert!(subject.is_rigged(0) && subject.timeline() == Some([0.0, 1.0]));
         let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
@@ -248,7 +248,7 @@ mod tests {
         let source = SceneSource::File(file.clone());
         let arguments = "--effect phosphor --eye 0,4,3 --look-at 0,0,0 --phosphor";
         let args = args(&format!("--scene {} {arguments} {}", file.display(), glow.display()));
-        let subject = Subject::load(&args, &source, Effect::Phosphor).expect("a scene");
+        let subject = PreparedScene::load(&args, &source, Effect::Phosphor).expect("a scene");
         assert!(subject.timeline().is_some_and(|[begin, end]| begin.is_finite() && end.is_infinite()));
         let bright: Vec<Light> = subject.lights(None).iter().map(|light| light.brighter(2.0)).collect();
         let traced = subject.traced(2.0, &bright).expect("a moment");
@@ -265,7 +265,7 @@ mod tests {
             let within = (3.0 * from.min(1.0), 3.0 * until.min(1.0));
             assert!(within.0 <= x + 1e-4 && x - 1e-4 <= within.1, "{x} m from second {from} to {until}");
         }
-        let still = Subject::load(&args, &"still-life:1".parse().expect("a scene"), Effect::Phosphor);
+        let still = PreparedScene::load(&args, &"still-life:1".parse().expect("a scene"), Effect::Phosphor);
         let traced = still.expect("a scene").traced(2.0, &bright[..0]);
         assert!(traced.expect("a moment").past().is_empty(), "nothing moves");
     }

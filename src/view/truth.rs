@@ -4,7 +4,7 @@
 use super::catch_panic::catch_panic;
 use super::display_image::DisplayImage;
 use super::request_slot::RequestSlot;
-use super::subject::Subject;
+use super::subject::PreparedScene;
 use super::workers::{SendUpdate, Update};
 use crate::methods::TRUTH;
 use crate::output::message;
@@ -28,7 +28,7 @@ pub struct ViewKey {
     /// How often the user had opened a scene when it was read: its files may be other ones each time.
     pub scenes_opened: u32,
     /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
-    pub subject: Weak<Subject>,
+    pub subject: Weak<PreparedScene>,
     /// From where it is seen.
     pub camera: Camera,
     /// When, seconds.

@@ -19,7 +19,7 @@ use super::metrics::{self, Metrics};
 use super::outcome::Outcome;
 use super::panel;
 use super::state::{Map, State};
-use super::subject::Subject;
+use super::subject::PreparedScene;
 use super::truth::Truth;
 use super::workers::Workers;
 use crate::methods::TRUTH;
@@ -64,7 +64,7 @@ pub struct Window {
 #[derive(Default)]
 pub struct Results {
     /// The scene.
-    pub subject: Option<Arc<Subject>>,
+    pub subject: Option<Arc<PreparedScene>>,
     /// The newest picture.
     pub picture: Option<Arc<Picture>>,
     /// The newest truth, of whatever.

@@ -5,7 +5,7 @@ use super::file_worker::{self, FileResult, FileTask};
 use super::method_worker::{self, Picture};
 use super::metrics::{self, Metrics};
 use super::request_slot::RequestSlot;
-use super::subject::Subject;
+use super::subject::PreparedScene;
 #[cfg(feature = "train")]
 use super::training_run::{self, TrainingRun};
 use super::truth::{self, Truth};
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// What workers send to the window.
 pub enum Update {
     /// Another scene was read.
-    Subject(Arc<Subject>),
+    PreparedScene(Arc<PreparedScene>),
     /// A frame was made.
     Picture(Arc<Picture>),
     /// Truth has more samples.

@@ -23,7 +23,7 @@ use on_gpu::OnGpu;
 use scaling::Scaling;
 use serde_json::json;
 use std::path::PathBuf;
-use subject::{Kind, Setup, Subject, View};
+use subject::{FogView, Kind, Setup, View};
 
 /// Fog by partial-sum trees beside marching at equal error, on one thread: speed-ups, how times grow, what
 /// slices save.
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut outcomes = Vec::new();
     for kind in Kind::ALL {
         for view in View::ALL {
-            let subject = Subject::new(kind, view, setup)?;
+            let subject = FogView::new(kind, view, setup)?;
             note!("{} at {}x{}", subject.name, setup.size[1], setup.size[0]);
             outcomes.push(Outcome::of(&subject, &pool));
         }

@@ -29,7 +29,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 use studies::Studies;
-use subject::Subject;
+use subject::LpvFrame;
 
 /// Milliseconds of light propagation volumes stage by stage, errors beside the paper's alternatives, how far
 /// propagation is right, how much it flickers and leaks.
@@ -172,18 +172,18 @@ pub fn run(args: &Args) -> Result<()> {
         progress.next();
         match part {
             Part::Stages => {
-                let costs = Costs::of(&Subject::new(&gpu, &args.scene[0], size)?, runs)?;
+                let costs = Costs::of(&LpvFrame::new(&gpu, &args.scene[0], size)?, runs)?;
                 costs.set(&mut figures);
                 tables.push(costs.rows());
             }
             Part::Injection => {
-                let injections = Injections::of(&Subject::new(&gpu, &args.scene[0], small)?, runs)?;
+                let injections = Injections::of(&LpvFrame::new(&gpu, &args.scene[0], small)?, runs)?;
                 injections.set(&mut figures);
                 tables.push(injections.rows());
             }
             Part::Images => {
                 let samples = SAMPLES[usize::from(args.full)];
-                let of = |scene: &SceneSource| Alternatives::of(&Subject::new(&gpu, scene, small)?, samples);
+                let of = |scene: &SceneSource| Alternatives::of(&LpvFrame::new(&gpu, scene, small)?, samples);
                 let scenes: Vec<Alternatives> = args.scene.iter().map(of).collect::<Result<_>>()?;
                 let names: Vec<String> = args.scene.iter().map(ToString::to_string).collect();
                 for (name, scene) in names.iter().zip(&scenes) {

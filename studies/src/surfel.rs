@@ -21,7 +21,7 @@ use deepshade_shaders::{Attribute, Effect};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
-use subject::Subject;
+use subject::SurfelFrame;
 use sweeps::Row;
 
 /// The methods that shade by surfels, and those that shade by triangles in the same way.
@@ -95,8 +95,8 @@ pub fn run(args: &Args) -> Result<()> {
     ensure!(!methods.is_empty(), "none of these methods shades any of these effects");
     let attributes: Vec<Attribute> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
     let staged = subject::staged(args, &effects)?;
-    let subject = |size: Size| Subject::new(&gpu, &staged, args.radius, size, &attributes);
-    let subjects: Vec<(Size, Subject<'_>)> =
+    let subject = |size: Size| SurfelFrame::new(&gpu, &staged, args.radius, size, &attributes);
+    let subjects: Vec<(Size, SurfelFrame<'_>)> =
         args.sizes.iter().map(|size| Ok((*size, subject(*size)?))).collect::<Result<_>>()?;
     let mut measured = Vec::new();
     for (size, subject) in &subjects {
@@ -185,7 +185,7 @@ fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<ScreenMethod
 }
 
 impl Measured {
-    fn new(method: &ScreenMethod, subject: &Subject<'_>, size: Size, runs: usize) -> Result<Self> {
+    fn new(method: &ScreenMethod, subject: &SurfelFrame<'_>, size: Size, runs: usize) -> Result<Self> {
         let (effect, method_name) = (method.effect(), method.name());
         note!("{effect} by {method_name} at {size}");
         let plan = Plan::new(method, &subject.inputs(), &subject.view);

@@ -21,7 +21,7 @@ use scaling::Scaling;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
-use subject::Subject;
+use subject::ShellFrame;
 
 /// Milliseconds of volume shells stage by stage, errors with and without what is not in the paper,
 /// thresholds, how times grow.
@@ -78,12 +78,12 @@ pub fn run(args: &Args) -> Result<()> {
     let size = if args.full { PAPER } else { PAPER.scaled(0.5) };
     gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
     note!("stages at {size}");
-    let subject = Subject::new(&gpu, size)?;
+    let subject = ShellFrame::new(&gpu, size)?;
     let shadow_maps = subject.shadow_maps(runs)?;
     let direct = subject.direct(parameters(), runs)?;
     let cost = subject.shaded(parameters(), runs)?.cost;
     note!("errors at {}", size.scaled(SMALL));
-    let small = Subject::new(&gpu, size.scaled(SMALL))?;
+    let small = ShellFrame::new(&gpu, size.scaled(SMALL))?;
     let errors = Errors::of(&small, parameters(), SAMPLES[usize::from(args.full)], runs)?;
     note!("how times grow");
     let scaling = Scaling::of(&gpu, size.scaled(2.0 * SMALL), parameters(), runs)?;

@@ -1,5 +1,5 @@
 use super::*;
-use crate::Subject;
+use crate::SceneOrCapture;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::scene::procedural::Family;
 
@@ -311,7 +311,7 @@ fn seeds_use_all_their_bits_and_no_scene_is_made_twice() {
     let seeds: Vec<u64> = plan
         .iter()
         .map(|planned| match planned.scene.source {
-            Subject::Scene(SceneSource::Procedural(_, seed)) => seed,
+            SceneOrCapture::Scene(SceneSource::Procedural(_, seed)) => seed,
             _ => unreachable!("no files"),
         })
         .collect();

@@ -181,7 +181,7 @@ proptest! {
 fn planned(key: usize, views: usize) -> PlannedScene {
     use crate::plan::PlannedView;
     let source = "room:1".parse().expect("a scene");
-    let scene = crate::SceneRecord { source: crate::Subject::Scene(source), blake3: None };
+    let scene = crate::SceneRecord { source: crate::SceneOrCapture::Scene(source), blake3: None };
     let view = |index| PlannedView { index, name: format!("{key}-{index}"), seed: 0, held_apart: false };
     PlannedScene { scene, key: key as u64, views: (0..views).map(view).collect() }
 }

@@ -5,7 +5,7 @@ use super::{Moment, Props, Timeline, Variation, Vary, draw, look, motion, timeli
 use crate::plan::PlannedView;
 use crate::random::uniform;
 use crate::recipe::Viewpoint;
-use crate::{DatasetError, Recipe, SceneRecord, Sensor, Subject, views};
+use crate::{DatasetError, Recipe, SceneOrCapture, SceneRecord, Sensor, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
@@ -48,7 +48,7 @@ impl<'a> StagedScene<'a> {
         let goes_on = vary.is_some_and(|vary| vary.timeline.is_some());
         let moves = goes_on || vary.is_some_and(|vary| vary.motion.is_some());
         let (mut base, mut animation, mut in_timeline) = (read, None, None);
-        if let Subject::Scene(SceneSource::File(path)) = &scene.source
+        if let SceneOrCapture::Scene(SceneSource::File(path)) = &scene.source
             && moves
         {
             let path = recipe.folder.join(path);

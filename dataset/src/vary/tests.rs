@@ -1,6 +1,6 @@
 use super::*;
 use crate::recipe::Recipe;
-use crate::{SceneRecord, Subject, views};
+use crate::{SceneOrCapture, SceneRecord, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{AlphaMode, Camera, Density, Gloss, Light, Material, Mesh, Scene, SceneSource};
@@ -108,7 +108,7 @@ fn a_dark_scene_gets_a_lamp_that_lights_what_is_seen() {
     let recipe = recipe(folder.path(), "gi", "");
     let scene = Scene::load(&folder.path().join("dark.obj"), 0.0).expect("a scene");
     let blake3 = Some(crate::identity::scene_hash(&scene));
-    let dark = SceneRecord { source: Subject::Scene(SceneSource::File("dark.obj".into())), blake3 };
+    let dark = SceneRecord { source: SceneOrCapture::Scene(SceneSource::File("dark.obj".into())), blake3 };
     let props = Props::load(&recipe).expect("nothing");
     let staged = StagedScene::load(&dark, &recipe, &props).expect("a scene");
     let camera = Camera::look_at(Vec3::new(2.0, 2.5, 6.0), Vec3::new(2.0, 0.3, 2.0));
@@ -349,7 +349,7 @@ pub(super) fn sliding(folder: &Path) -> SceneRecord {
     let path = folder.join("sliding.gltf");
     std::fs::write(&path, SLIDING).expect("written");
     SceneRecord {
-        source: Subject::Scene(SceneSource::File("sliding.gltf".into())),
+        source: SceneOrCapture::Scene(SceneSource::File("sliding.gltf".into())),
         blake3: Some(crate::identity::scene_hash(&Scene::load(&path, 0.0).expect("a scene"))),
     }
 }

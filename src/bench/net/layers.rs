@@ -1,6 +1,6 @@
 //! How long each layer of a network takes, in WGSL and on the CPU.
 
-use super::subjects::Subject;
+use super::subjects::MeasuredNetwork;
 use crate::kernels;
 use anyhow::Result;
 use deepshade_infer::forward::{ForwardError, Network, Precision};
@@ -35,7 +35,7 @@ pub struct Row {
 ///
 /// # Errors
 /// If an engine does not run it.
-pub fn rows(gpu: &Gpu, subject: &Subject, size: [usize; 2]) -> Result<Vec<Row>> {
+pub fn rows(gpu: &Gpu, subject: &MeasuredNetwork, size: [usize; 2]) -> Result<Vec<Row>> {
     let [width, height] = size;
     let costs = subject.model.spec.costs(height, width);
     let row = |engine, (layer, milliseconds): (String, f64), cost: &Cost| Row {

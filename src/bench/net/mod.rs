@@ -27,7 +27,7 @@ use rivals::{Devices, Race};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
-use subjects::Subject;
+use subjects::MeasuredNetwork;
 use turns::Effort;
 
 /// The size of the paper's times, which figures are of.
@@ -243,7 +243,7 @@ impl Bench {
 
 /// Bytes of the feature maps of ao at 1920x1080 in the kernels for graphics cards, in half floats where the device has
 /// them.
-fn ao_bytes(gpu: &Gpu, subjects: &[Subject]) -> Result<Option<u64>> {
+fn ao_bytes(gpu: &Gpu, subjects: &[MeasuredNetwork]) -> Result<Option<u64>> {
     let Some(subject) = subjects.iter().find(|subject| subject.model.spec.effect == Effect::Ao) else {
         return Ok(None);
     };

@@ -3,7 +3,7 @@
 use super::super::pytorch;
 use super::layers;
 use super::measurement::{Device, Measurement};
-use super::subjects::Subject;
+use super::subjects::MeasuredNetwork;
 use super::turns::{Effort, FEWEST, Work, in_turns};
 use crate::onnxruntime;
 use anyhow::{Result, ensure};
@@ -44,7 +44,7 @@ pub struct Devices<'a> {
 /// One network at one size.
 pub struct Race<'a> {
     /// The network.
-    pub subject: &'a Subject,
+    pub subject: &'a MeasuredNetwork,
     /// Columns and rows.
     pub size: [usize; 2],
     /// How long.

@@ -11,7 +11,7 @@ pub const MODELS: &str = "models";
 const SEED: u32 = 1;
 
 /// A network to be measured.
-pub struct Subject {
+pub struct MeasuredNetwork {
     /// Its name in figures: the effect's, with underscores.
     pub name: String,
     /// The network.
@@ -28,11 +28,11 @@ pub struct Subject {
 /// # Errors
 /// If the paper has no network for an effect, a file cannot be read or written, or a folder that was named has none of
 /// them.
-pub fn subjects(effects: &[Effect], models: Option<&Path>, scratch: &Path) -> Result<Vec<Subject>> {
+pub fn subjects(effects: &[Effect], models: Option<&Path>, scratch: &Path) -> Result<Vec<MeasuredNetwork>> {
     let published: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| spec(*effect).is_some()).collect();
     let effects = if effects.is_empty() { &published } else { effects };
     let folder = models.unwrap_or(Path::new(MODELS));
-    let subjects: Vec<Subject> =
+    let subjects: Vec<MeasuredNetwork> =
         effects.iter().map(|effect| subject(*effect, folder, scratch)).collect::<Result<_>>()?;
     let is_idle = models.is_some() && !subjects.iter().any(|subject| subject.trained);
     ensure!(!is_idle, "--models {}: no folder there holds a network of these effects", folder.display());
@@ -40,7 +40,7 @@ pub fn subjects(effects: &[Effect], models: Option<&Path>, scratch: &Path) -> Re
 }
 
 /// Names of those with trained weights.
-pub fn trained(subjects: &[Subject]) -> Vec<&str> {
+pub fn trained(subjects: &[MeasuredNetwork]) -> Vec<&str> {
     subjects.iter().filter(|subject| subject.trained).map(|subject| subject.name.as_str()).collect()
 }
 
@@ -72,17 +72,17 @@ pub fn figure_name(effect: Effect) -> String {
     effect.name().replace('-', "_")
 }
 
-fn subject(effect: Effect, models: &Path, scratch: &Path) -> Result<Subject> {
+fn subject(effect: Effect, models: &Path, scratch: &Path) -> Result<MeasuredNetwork> {
     let folder = models.join(effect.name());
     let trained = folder.join("net.json").exists();
     let name = figure_name(effect);
     if trained {
         let onnx = folder.join("model.onnx");
-        return Ok(Subject { name, model: Model::load(&folder)?, onnx, trained });
+        return Ok(MeasuredNetwork { name, model: Model::load(&folder)?, onnx, trained });
     }
     let model = random(published(effect)?);
     let onnx = scratch.join(format!("{name}.onnx"));
     std::fs::write(&onnx, deepshade_train::export::onnx::encode(&model))
         .with_context(|| onnx.display().to_string())?;
-    Ok(Subject { name, model, onnx, trained })
+    Ok(MeasuredNetwork { name, model, onnx, trained })
 }

@@ -1,6 +1,6 @@
 //! A frame that is wanted, and one that was made.
 
-use super::{Pass, Show, Subject};
+use super::{Pass, PreparedScene, Show};
 use crate::render::picture::Exposure;
 use crate::view::display_image::DisplayImage;
 use anyhow::Result;
@@ -39,7 +39,7 @@ pub struct Picture {
     /// What was ordered.
     pub request: Request,
     /// Of what.
-    pub subject: Arc<Subject>,
+    pub subject: Arc<PreparedScene>,
     /// From where it is seen.
     pub camera: Camera,
     /// Under which lights.
@@ -91,7 +91,7 @@ mod tests {
     fn another_exposure_makes_no_other_images() {
         let args = args("--scene still-life:1 --height 16 --width 16 --effect gi --methods ssgi");
         let show = State::new(&args).expect("methods").show;
-        let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
+        let subject = Arc::new(PreparedScene::load(&args, &show.source, show.effect).expect("a scene"));
         let (camera, lights) = (subject.pilot.camera, subject.lights(None));
         let exposure = Exposure::Tone { middle: 0.5, white: 1.0 };
         let request = Request {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::view::method_worker::Request;
 use crate::view::state::State;
-use crate::view::subject::Subject;
+use crate::view::subject::PreparedScene;
 use crate::view::tests::args;
 use deepshade_shaders::Planes;
 use glam::Vec2;
@@ -15,7 +15,7 @@ fn moment(line: &str, turn: f32) -> Moment {
     let state = State::new(&args).expect("methods");
     let model = state.show.model.as_deref().map(|folder| state.place_of_network(folder));
     let show = state.show;
-    let subject = Arc::new(Subject::load(&args, &show.source, show.effect).expect("a scene"));
+    let subject = Arc::new(PreparedScene::load(&args, &show.source, show.effect).expect("a scene"));
     let mut pilot = subject.pilot;
     if turn != 0.0 {
         pilot.orbit(Vec2::new(turn, 0.0));

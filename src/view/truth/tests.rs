@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 const SIZE: [usize; 2] = [12, 16];
 
-fn view_key(subject: &Arc<Subject>) -> ViewKey {
+fn view_key(subject: &Arc<PreparedScene>) -> ViewKey {
     ViewKey {
         source: subject.source.clone(),
         effect: subject.effect,
@@ -24,7 +24,7 @@ fn view_key(subject: &Arc<Subject>) -> ViewKey {
 fn truth_that_comes_back_goes_on_from_its_samples() {
     let args = args("--scene still-life:1 --height 12 --width 16");
     let source = "still-life:1".parse().expect("a scene");
-    let subject = Arc::new(Subject::load(&args, &source, Effect::Ao).expect("a scene"));
+    let subject = Arc::new(PreparedScene::load(&args, &source, Effect::Ao).expect("a scene"));
     let view_key = view_key(&subject);
     let scene = subject.traced(0.0, &view_key.lights).expect("a scene");
     let shot = Shot::new(&scene, &view_key.camera, SIZE, view_key.radius);
@@ -65,7 +65,7 @@ fn truth_that_comes_back_goes_on_from_its_samples() {
 fn what_is_kept_fits_into_its_room_and_the_newest_stays() {
     let args = args("--scene still-life:1 --height 12 --width 16");
     let source = "still-life:1".parse().expect("a scene");
-    let subject = Arc::new(Subject::load(&args, &source, Effect::Ao).expect("a scene"));
+    let subject = Arc::new(PreparedScene::load(&args, &source, Effect::Ao).expect("a scene"));
     let view_key = view_key(&subject);
     let scene = subject.traced(0.0, &view_key.lights).expect("a scene");
     let shot = Shot::new(&scene, &view_key.camera, SIZE, view_key.radius);

@@ -5,7 +5,7 @@ use super::requests::Pending;
 use crate::view::method_worker::{Picture, Request};
 use crate::view::metrics::Metrics;
 use crate::view::state::Map;
-use crate::view::subject::Subject;
+use crate::view::subject::PreparedScene;
 use crate::view::workers::Update;
 use eframe::egui::Context;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ impl Window {
     pub(super) fn take_updates(&mut self, context: &Context) {
         while let Ok(update) = self.workers.updates.try_recv() {
             match update {
-                Update::Subject(subject) => self.take_subject(&subject),
+                Update::PreparedScene(subject) => self.take_subject(&subject),
                 Update::Picture(picture) => self.take_picture(context, picture),
                 Update::Truth(truth) => {
                     self.set_texture(context, &truth.image.name, Map::Image, &truth.image.picture);
@@ -59,7 +59,7 @@ impl Window {
 
     /// Takes the scene that the user has chosen, and stays where they are in it. One that they have left
     /// meanwhile is ignored.
-    fn take_subject(&mut self, subject: &Arc<Subject>) {
+    fn take_subject(&mut self, subject: &Arc<PreparedScene>) {
         let show = &self.state.show;
         if (&subject.source, subject.effect) != (&show.source, show.effect) {
             return;

@@ -1,7 +1,7 @@
 //! Claims of Baran et al. 2010 that need no march at equal error: what colour costs, the decay of singular
 //! values, slices that are saved, the narrow beam.
 
-use super::subject::{Kind, Setup, Subject, View, Way, fog, sun};
+use super::subject::{FogView, Kind, Setup, View, Way, fog, sun};
 use super::table_number;
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -31,12 +31,12 @@ impl Claims {
             light_rays: setup.light_rays,
             ..epipolar::EpipolarParameters::of(Quality::High)
         };
-        let plain = Subject::new(Kind::Indoor, View::Side, setup)?;
+        let plain = FogView::new(Kind::Indoor, View::Side, setup)?;
         let coloured = plain.with_light(|light| {
             let Light::Directional { pattern, .. } = light else { return };
             *pattern = Some((TextureId(0), 1.0));
         })?;
-        let seconds = |subject: &Subject| {
+        let seconds = |subject: &FogView| {
             let [(_, seconds)] = subject.timed([&|lit, radiance| trees.add(lit, radiance)], pool);
             seconds
         };
@@ -45,7 +45,7 @@ impl Claims {
         for kind in Kind::ALL {
             for view in View::ALL {
                 largest = largest
-                    .max(sigma_ratio(&Subject::new(kind, view, setup.scaled(0.25))?, trees.light_rays));
+                    .max(sigma_ratio(&FogView::new(kind, view, setup.scaled(0.25))?, trees.light_rays));
             }
         }
         let [tree, every, sampling] = beam(setup, pool)?;
@@ -78,7 +78,7 @@ impl Claims {
 }
 
 /// The fourth singular value over the first.
-fn sigma_ratio(subject: &Subject, light_rays: usize) -> f64 {
+fn sigma_ratio(subject: &FogView, light_rays: usize) -> f64 {
     subject.lit(|lit| {
         let rectified = Rectified::new(lit, light_rays, 16.0, epipolar::Terms::Four.most_magnified());
         rectified.map_or(0.0, |rectified| rectified.factors::<4, 1>().values[3])
@@ -110,7 +110,7 @@ fn beam(setup: Setup, pool: &ThreadPool) -> Result<[f64; 3]> {
         ..Scene::default()
     };
     let camera = Camera::look_at(Vec3::new(2.0, 1.0, 4.0), Vec3::new(2.0, 1.0, 0.0));
-    let subject = Subject::of("beam".to_owned(), scene, &camera, setup.scaled(0.5))?;
+    let subject = FogView::of("beam".to_owned(), scene, &camera, setup.scaled(0.5))?;
     let [height, width] = subject.setup.size;
     let steps = 4096;
     let image = |way: &Way<'_>| {

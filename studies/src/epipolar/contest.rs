@@ -1,6 +1,6 @@
 //! Trees and their rivals at equal error.
 
-use super::subject::{Subject, Way};
+use super::subject::{FogView, Way};
 use super::table_number;
 use deepshade::shared::figures::Figures;
 use deepshade_render::methods::ray_march::{March, shift};
@@ -72,7 +72,7 @@ struct Reference {
 }
 
 impl Reference {
-    fn of(subject: &Subject) -> Self {
+    fn of(subject: &FogView) -> Self {
         let count = subject.setup.size[0] * subject.setup.size[1];
         // Not in columns: another pixel of every sixteen.
         let pixels: Vec<usize> = (0..count / EVERY).map(|i| i * EVERY + i * 7 % EVERY).collect();
@@ -95,7 +95,7 @@ impl Reference {
     }
 
     /// The fewest steps of a march whose error is no larger; `None` if those of all that are tried are.
-    fn fewest_steps(&self, subject: &Subject, error: f64) -> Option<u32> {
+    fn fewest_steps(&self, subject: &FogView, error: f64) -> Option<u32> {
         let is_enough = |steps: u32| {
             let found = marched(subject, &self.pixels, steps, |pixel| shift(pixel, 1));
             self.error(found.into_iter()) <= error
@@ -128,7 +128,7 @@ pub fn fewest<E>(
 
 /// What a march gives for some pixels, on all threads.
 fn marched(
-    subject: &Subject,
+    subject: &FogView,
     pixels: &[usize],
     steps: u32,
     jitter: impl Fn(usize) -> f32 + Sync,
@@ -140,7 +140,7 @@ fn marched(
 }
 
 impl Duel {
-    fn of(subject: &Subject, reference: &Reference, light_rays: usize, pool: &ThreadPool) -> Self {
+    fn of(subject: &FogView, reference: &Reference, light_rays: usize, pool: &ThreadPool) -> Self {
         let trees =
             epipolar::EpipolarParameters { light_rays, ..epipolar::EpipolarParameters::of(Quality::High) };
         let tree: &Way<'_> = &|lit, radiance| trees.add(lit, radiance);
@@ -167,7 +167,7 @@ impl Duel {
 
 impl Outcome {
     /// Measures one scene and view in a pool of one thread.
-    pub fn of(subject: &Subject, pool: &ThreadPool) -> Self {
+    pub fn of(subject: &FogView, pool: &ThreadPool) -> Self {
         let reference = Reference::of(subject);
         let light_rays = subject.setup.light_rays;
         let duels = [light_rays, light_rays / 4].map(|rays| Duel::of(subject, &reference, rays, pool));
@@ -216,7 +216,7 @@ impl Outcome {
 
 /// The fastest epipolar sampling that is as good as trees, or the best if none is.
 fn best_sampling(
-    subject: &Subject,
+    subject: &FogView,
     reference: &Reference,
     duel: &Duel,
     pool: &ThreadPool,
@@ -306,7 +306,7 @@ mod tests {
     fn trees_and_marches_are_measured_as_small_as_they_go() {
         let setup = Setup { size: [96, 128], light_rays: 512, shadow_size: 512 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-        let subject = Subject::new(Kind::Indoor, View::Side, setup).expect("a scene");
+        let subject = FogView::new(Kind::Indoor, View::Side, setup).expect("a scene");
         let outcome = Outcome::of(&subject, &pool);
         for duel in &outcome.duels {
             assert!(duel.tree.relmse < 1e-2 && duel.tree.relmse > 0.0, "{duel:?}");

@@ -1,6 +1,6 @@
 //! How times grow with the resolution of everything (Baran et al. 2010, Figure 12).
 
-use super::subject::{Kind, Setup, Subject, View};
+use super::subject::{FogView, Kind, Setup, View};
 use crate::slope::Slope;
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -36,7 +36,7 @@ impl Scaling {
         let mut points = Vec::new();
         for share in SHARES {
             let setup = finest.scaled(share);
-            let subject = Subject::new(Kind::Trees, View::Side, setup)?;
+            let subject = FogView::new(Kind::Trees, View::Side, setup)?;
             let trees = epipolar::EpipolarParameters {
                 light_rays: setup.light_rays,
                 ..epipolar::EpipolarParameters::of(Quality::High)

@@ -52,7 +52,7 @@ pub enum View {
 pub type Way<'a> = dyn Fn(&Lit<'_>, &mut [Vec3]) + Sync + 'a;
 
 /// A scene as a camera sees it.
-pub struct Subject {
+pub struct FogView {
     /// Scene and view.
     pub name: String,
     /// How fine it is.
@@ -159,7 +159,7 @@ pub fn setting(kind: Kind, view: View, size: [usize; 2]) -> Result<(Scene, Camer
     Ok((scene, camera))
 }
 
-impl Subject {
+impl FogView {
     /// One of the scenes.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! The paper's Figure 5: what could be shown of a scene in fog, and how far each is from all its light.
 
 use super::scores::Row;
-use super::subject::Subject;
+use super::subject::LpvFrame;
 use anyhow::{Result, ensure};
 use deepshade_render::lpv::Scheme;
 use deepshade_render::lpv::lobe::Lobes;
@@ -57,7 +57,7 @@ impl Alternatives {
     ///
     /// # Errors
     /// If the device fails, or the camera sees no light.
-    pub fn of(subject: &Subject<'_>, samples: u32) -> Result<Self> {
+    pub fn of(subject: &LpvFrame<'_>, samples: u32) -> Result<Self> {
         let truth = |effect, part| subject.truth(effect, part, samples);
         let all = truth(Effect::Path, Part::All);
         ensure!(all.data().iter().any(|value| *value > 0.0), "the camera sees no light");
@@ -132,7 +132,7 @@ mod tests {
     fn light_that_the_medium_scatters_once_is_as_bright_as_in_truth() {
         let gpu = Gpu::new().expect("an adapter");
         let source = "colonnade:1".parse().expect("a scene");
-        let subject = Subject::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
+        let subject = LpvFrame::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
         let mean = |image: &Planes| image.data().iter().sum::<f32>();
         let truth = subject.truth(Effect::FogDirect, Part::All, 256);
         let brightness = mean(&subject.single().expect("an image")) / mean(&truth);
@@ -145,7 +145,7 @@ mod tests {
     fn surfaces_throw_as_much_light_into_fog_as_in_truth() {
         let gpu = Gpu::new().expect("an adapter");
         let source = "colonnade:1".parse().expect("a scene");
-        let subject = Subject::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
+        let subject = LpvFrame::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
         let parameters = LpvParameters { cells: 32, iterations: 32, ..LpvParameters::of(Quality::Low) };
         let pixel = Pixel { medium: true, surface: false };
         let image = subject.indirect(parameters, pixel).expect("an image");

@@ -1,6 +1,6 @@
 //! What each stage takes, as in the paper's Table 1.
 
-use super::subject::Subject;
+use super::subject::LpvFrame;
 use crate::stages::{Cost, Stage};
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -35,7 +35,7 @@ impl Costs {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(subject: &Subject<'_>, runs: usize) -> Result<Self> {
+    pub fn of(subject: &LpvFrame<'_>, runs: usize) -> Result<Self> {
         let Gpu { device, queue, .. } = subject.gpu;
         let mut of_grids = Vec::new();
         let mut moved = 0.0;

@@ -1,7 +1,7 @@
 //! Light of surfaces injected from surfels, as the method does, and from a reflective shadow map, as the
 //! paper does: how far each is from what a map of very many texels has, cell by cell, and what it takes.
 
-use super::subject::Subject;
+use super::subject::LpvFrame;
 use crate::stages::{Cost, Stage};
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -44,7 +44,7 @@ impl Injections {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(subject: &Subject<'_>, runs: usize) -> Result<Self> {
+    pub fn of(subject: &LpvFrame<'_>, runs: usize) -> Result<Self> {
         let parameters = LpvParameters { cells: CELLS, iterations: 1, ..LpvParameters::of(Quality::Medium) };
         let grid = subject.grid(parameters);
         let (exact, _) = subject.reflective(EXACT, 1)?;

@@ -35,7 +35,7 @@ const ATTRIBUTES: [Attribute; 5] =
     [Attribute::Position, Attribute::Normal, Attribute::Light, Attribute::Diffuse, Attribute::Valid];
 
 /// The frame.
-pub struct Subject<'a> {
+pub struct LpvFrame<'a> {
     /// Where it is shaded.
     pub gpu: &'a Gpu,
     scene: TracedScene,
@@ -43,7 +43,7 @@ pub struct Subject<'a> {
     view: View,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> LpvFrame<'a> {
     /// Makes it.
     ///
     /// # Errors

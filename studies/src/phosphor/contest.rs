@@ -6,7 +6,7 @@
 //! by bisection.
 
 use super::cornell::BRIGHT;
-use super::subject::Subject;
+use super::subject::GlowingRoom;
 use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
@@ -51,7 +51,7 @@ impl Contest {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, size: Size, runs: usize, on: Vec<[f32; 2]>, moment: f32) -> Result<Self> {
-        let mut subject = Subject::new(gpu, size, FAINT * BRIGHT, false, on)?;
+        let mut subject = GlowingRoom::new(gpu, size, FAINT * BRIGHT, false, on)?;
         let truth = subject.truth(Effect::Phosphor, moment, 8)?;
         let scale = exposure(Effect::Phosphor, &truth);
         let right = exposed(&truth, scale);

@@ -3,7 +3,7 @@
 //! by states in a frame loop, and by moments of the past.
 
 use super::cornell::{BRIGHT, OFF};
-use super::subject::Subject;
+use super::subject::GlowingRoom;
 use anyhow::{Context, Result};
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
@@ -70,7 +70,7 @@ impl Light {
 /// If the device fails or a file cannot be written.
 pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<Picture>> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-    let mut subject = Subject::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
+    let mut subject = GlowingRoom::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
     let states = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::of(Quality::High)))?;
     let by_surfels = surfel::SurfelParameters::of(Quality::High);
     let kept = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, KEPT_LIGHT)))?;
@@ -106,7 +106,7 @@ pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<V
 }
 
 /// Light that is sent or reflected once, path traced.
-fn traced(subject: &Subject<'_>, moment: f32, shines: bool) -> Result<Planes> {
+fn traced(subject: &GlowingRoom<'_>, moment: f32, shines: bool) -> Result<Planes> {
     let mut light = Light {
         direct: vec![subject.truth(Effect::Phosphor, moment, 8)?],
         indirect: vec![subject.truth(Effect::PhosphorGi, moment, SAMPLES)?],
@@ -119,7 +119,7 @@ fn traced(subject: &Subject<'_>, moment: f32, shines: bool) -> Result<Planes> {
 }
 
 /// The same of the frame that was made last.
-fn framed(subject: &Subject<'_>, [states, kept, reflected]: [&Plan; 3], shines: bool) -> Result<Planes> {
+fn framed(subject: &GlowingRoom<'_>, [states, kept, reflected]: [&Plan; 3], shines: bool) -> Result<Planes> {
     let mut light = Light { direct: vec![subject.image(states)?], indirect: vec![subject.image(kept)?] };
     if shines {
         light.direct.push(subject.attribute(Attribute::DiffuseLight)?);

@@ -2,7 +2,7 @@
 //! which share of the device's copy bandwidth it moves.
 
 use super::cornell::{BRIGHT, OFF};
-use super::subject::Subject;
+use super::subject::GlowingRoom;
 use anyhow::Result;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::Figures;
@@ -33,7 +33,8 @@ impl Step {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, runs: usize) -> Result<Self> {
-        let mut subject = Subject::new(gpu, Size { width: 64, height: 64 }, BRIGHT, true, vec![[0.0, OFF]])?;
+        let mut subject =
+            GlowingRoom::new(gpu, Size { width: 64, height: 64 }, BRIGHT, true, vec![[0.0, OFF]])?;
         let mut across = GUESS;
         let (mut milliseconds, mut texels) = (0.0, 0);
         // Texels are as the square of how many are along the diagonal, but for rounding.

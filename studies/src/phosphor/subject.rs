@@ -17,14 +17,14 @@ use std::sync::Arc;
 const SHADOW_SIZE: usize = 1024;
 
 /// The room and its camera.
-pub struct Subject<'a> {
+pub struct GlowingRoom<'a> {
     gpu: &'a Gpu,
     scene: TracedScene,
     frame: Frame,
     view: View,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> GlowingRoom<'a> {
     /// The room under a lamp of so many W/sr that shines at these times; `all` is whether every surface keeps
     /// light.
     ///

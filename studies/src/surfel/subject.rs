@@ -34,7 +34,7 @@ pub fn staged(args: &Args, effects: &[Effect]) -> Result<Staged> {
 }
 
 /// The frame.
-pub struct Subject<'a> {
+pub struct SurfelFrame<'a> {
     gpu: &'a Gpu,
     staged: &'a Staged,
     frame: Frame,
@@ -42,7 +42,7 @@ pub struct Subject<'a> {
     pub view: View,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> SurfelFrame<'a> {
     /// Makes it; effects reach `radius` metres, or as far as they do by default.
     ///
     /// # Errors

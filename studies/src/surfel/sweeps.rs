@@ -1,7 +1,7 @@
 //! What threshold, levels and resolution do to the time of ambient occlusion, and to its image: how far it is
 //! from the one that every surfel makes at every pixel.
 
-use super::subject::Subject;
+use super::subject::SurfelFrame;
 use crate::stages::Cost;
 use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::surfel::{SurfelParameters, occlusion::OCCLUSION};
@@ -62,13 +62,13 @@ impl std::fmt::Display for Variant {
 /// If the device fails.
 pub fn run(
     gpu: &Gpu,
-    [subject, half]: [&Subject<'_>; 2],
+    [subject, half]: [&SurfelFrame<'_>; 2],
     usual: SurfelParameters,
     runs: usize,
 ) -> Result<Vec<Row>, GpuError> {
     let method = ScreenMethod::new(gpu, Disks::new(usual, OCCLUSION));
     let flat = SurfelParameters { levels: 1, ..usual };
-    let shaded = |subject: &Subject<'_>, parameters: SurfelParameters| {
+    let shaded = |subject: &SurfelFrame<'_>, parameters: SurfelParameters| {
         let method = method.with(Disks::new(parameters, OCCLUSION));
         let plan = Plan::new(&method, &subject.inputs(), &subject.view)?;
         let cost = Cost::of(gpu, &plan, runs)?;
@@ -100,7 +100,7 @@ pub fn run(
 /// The image of half the resolution in full size, and the milliseconds that this takes.
 fn upsampled(
     gpu: &Gpu,
-    [subject, half]: [&Subject<'_>; 2],
+    [subject, half]: [&SurfelFrame<'_>; 2],
     plan: &Plan,
     runs: usize,
 ) -> Result<(Planes, f64), GpuError> {
@@ -113,7 +113,7 @@ fn upsampled(
     Ok((made(gpu, subject, &image)?, timing.milliseconds))
 }
 
-fn made(gpu: &Gpu, subject: &Subject<'_>, image: &wgpu::Buffer) -> Result<Planes, GpuError> {
+fn made(gpu: &Gpu, subject: &SurfelFrame<'_>, image: &wgpu::Buffer) -> Result<Planes, GpuError> {
     let data = gpu::read(&gpu.device, &gpu.queue, image)?;
     Ok(Planes::from_data(1, subject.view.height, subject.view.width, data))
 }

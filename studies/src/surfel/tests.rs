@@ -19,7 +19,7 @@ fn every_pass_has_a_stage_and_stages_add_up() {
     let attributes: Vec<_> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
     let staged = subject::staged(&line.args, &effects).expect("a room");
     let size = "64x48".parse().expect("a size");
-    let subject = Subject::new(&gpu, &staged, None, size, &attributes).expect("room");
+    let subject = SurfelFrame::new(&gpu, &staged, None, size, &attributes).expect("room");
     for method in &methods {
         let name = format!("{} by {}", method.effect(), method.name());
         let plan = Plan::new(method, &subject.inputs(), &subject.view).expect("a plan");

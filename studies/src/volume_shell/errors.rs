@@ -1,7 +1,7 @@
 //! Errors against path-traced truth: of thresholds (Nalbach, Ritschel and Seidel 2014, Figure 11), and with
 //! and without what is done in another way than in the paper.
 
-use super::subject::{Subject, error};
+use super::subject::{ShellFrame, error};
 use crate::stages::Stage;
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -79,7 +79,7 @@ impl Errors {
     /// # Errors
     /// If the device fails.
     pub fn of(
-        subject: &Subject<'_>,
+        subject: &ShellFrame<'_>,
         usual: VolumeShellParameters,
         samples: u32,
         runs: usize,

@@ -1,6 +1,6 @@
 //! How the time of splatting grows with surfels, pixels and intervals.
 
-use super::subject::Subject;
+use super::subject::ShellFrame;
 use crate::slope::Slope;
 use crate::stages::Stage;
 use anyhow::Result;
@@ -31,7 +31,7 @@ impl Scaling {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, finest: Size, usual: VolumeShellParameters, runs: usize) -> Result<Self> {
-        let subject = Subject::new(gpu, finest.scaled(0.5))?;
+        let subject = ShellFrame::new(gpu, finest.scaled(0.5))?;
         let surfels = measured(RADII, |radius| {
             let surfels = surfels::SurfelDensity { scale: radius * usual.surfels.scale, ..usual.surfels };
             let cost = subject.shaded(VolumeShellParameters { surfels, ..usual }, runs)?.cost;
@@ -39,7 +39,7 @@ impl Scaling {
         })?;
         let pixels = measured(EDGES, |edge| {
             let size = finest.scaled(edge);
-            let cost = Subject::new(gpu, size)?.shaded(usual, runs)?.cost;
+            let cost = ShellFrame::new(gpu, size)?.shaded(usual, runs)?.cost;
             Ok(((size.width * size.height) as f64, cost.of_stage(Stage::Splat)))
         })?;
         let intervals = measured(SAMPLES, |samples| {

@@ -22,7 +22,7 @@ const SHADOW_SIZE: usize = 1024;
 const EFFECT: Effect = Effect::FogIndirect;
 
 /// The frame.
-pub struct Subject<'a> {
+pub struct ShellFrame<'a> {
     gpu: &'a Gpu,
     scene: TracedScene,
     frame: Frame,
@@ -37,7 +37,7 @@ pub struct Shaded {
     pub cost: Cost,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> ShellFrame<'a> {
     /// Makes it.
     ///
     /// # Errors

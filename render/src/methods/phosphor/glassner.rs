@@ -12,7 +12,7 @@
 
 use super::passes::Finding;
 use super::reference::{found, image};
-use super::{ATTRIBUTES, RateEquationParameters as Texels, Quality};
+use super::{ATTRIBUTES, Quality, RateEquationParameters as Texels};
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
 use crate::scene::Glow;
