@@ -59,7 +59,7 @@ pub fn is_run(folder: &Path) -> bool {
 
 /// A program that cannot train knows no runs.
 #[cfg(not(feature = "train"))]
-const fn is_run(_: &Path) -> bool {
+pub const fn is_run(_: &Path) -> bool {
     false
 }
 

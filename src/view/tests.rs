@@ -40,7 +40,8 @@ impl Opened {
     /// With more options.
     pub fn new(line: &str) -> Self {
         let scene = if line.contains("--scene") { "" } else { "--scene still-life:1" };
-        let args = args(&format!("{scene} --height 48 --width 64 --quality low --spp 8 {line}"));
+        let size = if line.contains("--height") { "" } else { "--height 48 --width 64" };
+        let args = args(&format!("{scene} {size} --quality low --spp 8 {line}"));
         let mut state = Some(State::new(&args).expect("a state"));
         let folder = tempfile::tempdir().expect("a folder");
         let place = folder.path().to_owned();

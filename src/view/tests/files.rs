@@ -68,6 +68,7 @@ fn what_is_dropped_is_opened_and_what_cannot_be_is_said() {
     std::fs::write(opened.path("dark.obj"), room).expect("written");
     let path = opened.path("dark.obj");
     opened.window_mut().open(&path);
+    opened.wait_until_complete();
     opened.choose("effect", "gi");
     opened.wait_until_complete();
     assert!(opened.window().results.subject.as_ref().is_some_and(|subject| !subject.added.is_empty()));
