@@ -2,7 +2,7 @@
 
 use super::{PlainInputs, Technique, View, Written};
 use crate::method::{Clock, Repeats, Shaded};
-use crate::processor_name;
+use crate::processor::processor_name;
 use deepshade_shaders::{MissingAttribute, Planes, lists};
 use web_time::Instant;
 
