@@ -17,7 +17,7 @@ use image::RgbaImage;
 use std::time::{Duration, Instant};
 
 /// How long a window may take until something is there.
-const PATIENCE: Duration = Duration::from_mins(10);
+const PATIENCE: Duration = Duration::from_mins(3);
 
 /// What a command line says.
 pub fn args(line: &str) -> Args {
@@ -78,7 +78,7 @@ impl Opened {
     pub fn wait(&mut self, what: &str, is_so: impl Fn(&Window) -> bool) {
         let began = Instant::now();
         while !is_so(self.window()) {
-            assert!(began.elapsed() < PATIENCE, "{what}: {:?}", self.window().messages.first());
+            assert!(began.elapsed() < PATIENCE, "{what}: {}", told(self.window()));
             self.harness.step();
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -112,9 +112,12 @@ impl Opened {
         self.harness.run_steps(2);
     }
 
-    /// Chooses an entry of a list.
+    /// Chooses an entry of a list, which may be longer than what is seen of it.
     pub fn choose(&mut self, list: &str, entry: &str) {
         self.click_role(Role::ComboBox, list);
+        self.harness.get_by_role_and_label(Role::Button, entry).scroll_to_me();
+        // The list moves for a while.
+        self.harness.run_steps(30);
         self.click_role(Role::Button, entry);
     }
 
@@ -124,6 +127,13 @@ impl Opened {
         let (width, height) = picture.dimensions();
         image::imageops::crop_imm(&picture, width / 3, height / 4, 2 * width / 3, height / 2).to_image()
     }
+}
+
+/// What a window lacks that is not complete.
+fn told(window: &Window) -> String {
+    let (error, [picture, files]) = (window.messages.first(), [window.is_up_to_date(), window.is_idle()]);
+    let metrics = window.reference().is_none() || window.metrics_of_picture().is_some();
+    format!("{error:?}, there is: picture {picture}, files {files}, metrics {metrics}")
 }
 
 /// The share of an image that is no grey.
