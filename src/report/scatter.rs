@@ -11,10 +11,10 @@ const LEAST: f64 = 1e-6;
 /// together.
 const FAR: f64 = 10.0;
 
-/// The front's colour.
-const BLUE: [u8; 3] = [31, 95, 191];
+/// The front's colour, which is no method's.
+const DARK: [u8; 3] = [40; 3];
 /// The floor's.
-const GREY: [u8; 3] = [120; 3];
+const GREY: [u8; 3] = [150; 3];
 
 /// A way to measure error.
 pub struct Measure {
@@ -41,7 +41,7 @@ pub fn svg(rows: &[Row], measure: &Measure) -> Option<String> {
     let largest = points.iter().map(|point| point.1).fold(0.0, f64::max);
     let front = front(points);
     let (first, last) = (front.first()?.0, front.last()?.0);
-    lines.push(Line { style: Style::Curve, ..Line::dotted("Pareto front", front) }.coloured(BLUE));
+    lines.push(Line { style: Style::Curve, ..Line::dotted("Pareto front", front) }.coloured(DARK));
     for row in rows.iter().filter(|row| row.kind == Kind::Floor) {
         let error = (measure.error)(row);
         if error > 0.0 && error < FAR * largest {
