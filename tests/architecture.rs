@@ -46,8 +46,8 @@ const EDGES: [(&str, &[&str]); 10] = [
     ("xtask", &[]),
 ];
 
-/// The modules of `render`, the lowest layer first. A module imports its own layer and those below; its tests may import
-/// all.
+/// The modules of `render`, the lowest layer first. A module imports its own layer and those below; its tests
+/// may import all.
 const LAYERS: [&[&str]; 6] = [
     &["exr_file", "metrics", "nearest", "processor", "sampler"],
     &["scene"],

@@ -2,16 +2,16 @@
 
 use super::summary::{Kind, Line};
 
-/// What truth's own noise takes of a method's SSIM, from the SSIM of truth's halves. What SSIM lacks of 1 is as
-/// the variance of a difference where that is small. Halves have twice truth's variance each, so their
+/// What truth's own noise takes of a method's SSIM, from the SSIM of truth's halves. What SSIM lacks of 1 is
+/// as the variance of a difference where that is small. Halves have twice truth's variance each, so their
 /// difference has four times that of truth beside what it would be without noise.
 fn of_truth(ceiling: f64) -> f64 {
     (1.0 - ceiling) / 4.0
 }
 
-/// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise. Every two
-/// that are so near are together in a group, so that groups may overlap; none is a part of another. The best
-/// come first.
+/// Groups of methods, given by name and SSIM, of which no two differ by as much as truth's own noise. Every
+/// two that are so near are together in a group, so that groups may overlap; none is a part of another. The
+/// best come first.
 pub fn alike<'a>(scores: &[(&'a str, f64)], ceiling: f64) -> Vec<Vec<&'a str>> {
     let mut sorted: Vec<(&str, f64)> = scores.iter().copied().filter(|(_, ssim)| ssim.is_finite()).collect();
     sorted.sort_by(|a, b| b.1.total_cmp(&a.1));

@@ -29,9 +29,9 @@ pub enum Variant {
 }
 
 impl Variant {
-    /// A good guess for a device: the software kernels where they can and the adapter is software, else the others. For
-    /// U-nets they are five times as fast there: `gi` at 192x128 takes 97 ms on llvmpipe and two cores, with the best
-    /// shape of each layer of the others 520.
+    /// A good guess for a device: the software kernels where they can and the adapter is software, else the
+    /// others. For U-nets they are five times as fast there: `gi` at 192x128 takes 97 ms on llvmpipe and two
+    /// cores, with the best shape of each layer of the others 520.
     pub fn default_for(device: &wgpu::Device, spec: &NetSpec, options: &Options<'_>) -> Self {
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let can = options.buffers() && options.precision == Precision::F32 && spec.u_net().is_some();
@@ -42,8 +42,9 @@ impl Variant {
         }
     }
 
-    /// The kernels for GPUs, of the shapes that are best on llvmpipe: as many pixels an invocation as there may be. Workgroup
-    /// memory pays where a map is doubled on the way, which is then done once a workgroup; elsewhere it costs.
+    /// The kernels for GPUs, of the shapes that are best on llvmpipe: as many pixels an invocation as there
+    /// may be. Workgroup memory pays where a map is doubled on the way, which is then done once a workgroup;
+    /// elsewhere it costs.
     /// `models/ao` takes 640 ms at 192x128, with [`Variant::gpu`] 1,430.
     fn gpu_on_software(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Self {
         let layers = spec.layers();

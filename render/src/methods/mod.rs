@@ -1,6 +1,6 @@
-//! The analytic methods, one folder each: `mod.rs` says what it is and which passes run on the GPU (of those that
-//! march in random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is checked
-//! against, pass by pass. What several share is in files beside them. [`all`] lists them.
+//! The analytic methods, one folder each: `mod.rs` says what it is and which passes run on the GPU (of those
+//! that march in random directions [`march`] does), `reference.rs` is the slow, plain version that the GPU is
+//! checked against, pass by pass. What several share is in files beside them. [`all`] lists them.
 
 pub mod aov;
 pub mod blur;

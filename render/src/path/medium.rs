@@ -66,8 +66,8 @@ impl Segment {
         self.origin + self.direction * distance
     }
 
-    /// The point at a distance, from which rays start. Far from the world's origin its coordinates are rounded
-    /// so much that it may lie in or behind a wall that is near: there rays start before that wall.
+    /// The point at a distance, from which rays start. Far from the world's origin its coordinates are
+    /// rounded so much that it may lie in or behind a wall that is near: there rays start before that wall.
     pub fn start_at(&self, distance: f32, scene: &TracedScene) -> Vec3 {
         let point = self.at(distance);
         let way = point - self.origin;

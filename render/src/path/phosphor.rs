@@ -1,12 +1,13 @@
 //! Truth for phosphorescence, the effect `phosphor`: the radiance of what the surface that is seen gives back of light
 //! that it kept (thesis, equation 8.3).
 //!
-//! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps light is a layer
-//! without sides. Shadows are those of rays; lamps are switched at their exact moments, and between them each state moves by
-//! its closed form ([`Scheme::Exact`](deepshade_glow::rate::Scheme)), for which steps of any fineness are the same. What moves
-//! was where its poses of the past have it ([`TracedScene::past`](crate::bvh::TracedScene::past)), each for the stretch of time
-//! that it stands for; without any the scene stays as it is at the moment that is shown.
-//! Light that reached a lamp-lit place by a detour, phosphorescent light included, excites nothing and is not shown.
+//! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps
+//! light is a layer without sides. Shadows are those of rays; lamps are switched at their exact moments, and
+//! between them each state moves by its closed form ([`Scheme::Exact`](deepshade_glow::rate::Scheme)), for
+//! which steps of any fineness are the same. What moves was where its poses of the past have it
+//! ([`TracedScene::past`](crate::bvh::TracedScene::past)), each for the stretch of time that it stands for;
+//! without any the scene stays as it is at the moment that is shown. Light that reached a lamp-lit place by a
+//! detour, phosphorescent light included, excites nothing and is not shown.
 //!
 //! Light falls on the mesh as its vertices' normals have it; normal maps change nothing.
 

@@ -77,8 +77,8 @@ fn records(lights: &[Light], belongings: &[Belongings]) -> Vec<LightRecord> {
     of_each.map(|(light, (maps, picture))| record(light, *maps, *picture)).collect()
 }
 
-/// Where each picture's texels begin, its columns and rows, what its bytes mean (1 sRGB, 2 linear; 2 more where the nearest texel
-/// is read), and all texels.
+/// Where each picture's texels begin, its columns and rows, what its bytes mean (1 sRGB, 2 linear; 2 more
+/// where the nearest texel is read), and all texels.
 fn pictures(scene: &Scene) -> (BTreeMap<u32, [f32; 4]>, Vec<u32>) {
     let (mut places, mut texels) = (BTreeMap::new(), Vec::new());
     for TextureId(index) in scene.lights.iter().filter_map(Light::picture) {

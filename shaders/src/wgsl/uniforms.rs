@@ -1,4 +1,5 @@
-//! Structs that Rust fills and WGSL reads. A struct of a WGSL file that is documented, by `///`, is one of them:
+//! Structs that Rust fills and WGSL reads. A struct of a WGSL file that is documented, by `///`, is one of
+//! them:
 //! `build.rs` collects them. A test has naga confirm that both put every field at the same offset.
 
 /// How a struct lies in memory.

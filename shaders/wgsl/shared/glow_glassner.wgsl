@@ -1,5 +1,6 @@
-// Phosphorescence as an integral over the past (Glassner 1995), at each pixel: moments drawn by the decay, and at each of them
-// the light of the lamps that shone then. The plain version is render/src/methods/phosphor/glassner.rs.
+// Phosphorescence as an integral over the past (Glassner 1995), at each pixel: moments drawn by the decay,
+// and at each of them the light of the lamps that shone then. The plain version is
+// render/src/methods/phosphor/glassner.rs.
 
 #import shared/bounded
 #import shared/glow_place

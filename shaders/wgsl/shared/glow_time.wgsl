@@ -1,6 +1,6 @@
-// A stretch of time, and what it does to states: render/src/scene/glow.rs, glow/src/paint.rs. `time` is whether
-// states begin anew (1), for each lamp its schedule, and PIECES times how long no lamp is switched, seconds, and for each
-// schedule whether its lamps are on (1).
+// A stretch of time, and what it does to states: render/src/scene/glow.rs, glow/src/paint.rs. `time` is
+// whether states begin anew (1), for each lamp its schedule, and PIECES times how long no lamp is switched,
+// seconds, and for each schedule whether its lamps are on (1).
 
 #import uniforms/paint_state
 #constant LIGHTS = 1

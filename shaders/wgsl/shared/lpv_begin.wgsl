@@ -1,7 +1,7 @@
-// Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but is not
-// shown itself; of the lamps the mean of eight points of what of each cell lies in the medium; where the phase function
-// has a mean cosine, light goes on along it. So it is with light that the scene sends by itself, which a grid has
-// brought there.
+// Light of the lamps that the medium in each cell scatters: single scattering, which goes on from there but
+// is not shown itself; of the lamps the mean of eight points of what of each cell lies in the medium; where
+// the phase function has a mean cosine, light goes on along it. So it is with light that the scene sends by
+// itself, which a grid has brought there.
 
 #import shared/light_dimmed
 #import shared/lights
@@ -31,7 +31,8 @@
 @group(0) @binding(4) var<storage, read> pictures: array<u32>;
 @group(0) @binding(5) var maps: texture_depth_2d_array;
 @group(0) @binding(6) var map_sampler: sampler_comparison;
-// [kinds, 3, cells]: lobes; then [cells]: what is sent out again; then, of three bands, [kinds, 5, cells]: second moments
+// [kinds, 3, cells]: lobes; then [cells]: what is sent out again; then, of three bands, [kinds, 5, cells]:
+// second moments
 @group(0) @binding(7) var<storage, read_write> state: array<vec4f>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(8) var<storage, read> media: array<vec4f>;
@@ -39,8 +40,8 @@
 // Nearer to a lamp than this, in cells, a point counts as that near.
 const NEAREST = 0.25;
 
-// Of light that surfaces send into a cell and that collides there, what goes in: the rest goes back to them and comes
-// again, in their colour.
+// Of light that surfaces send into a cell and that collides there, what goes in: the rest goes back to them
+// and comes again, in their colour.
 fn sent_in(cell: u32, within: vec3f) -> vec3f {
     if FACTORS != PLACED {
         return vec3f(1.0);

@@ -1,5 +1,5 @@
-// Light that patches keep: their states, moved on by a stretch of time under the lamps as they are now, at their middles. The
-// plain version is render/src/path/phosphor/afterglow.rs.
+// Light that patches keep: their states, moved on by a stretch of time under the lamps as they are now, at
+// their middles. The plain version is render/src/path/phosphor/afterglow.rs.
 
 #import shared/glow_change
 #import shared/glow_place

@@ -8,8 +8,8 @@ struct LightRecord {
     power: vec4f,
     /// Cosines of the inner and outer cone, number of maps, metres after which a pattern repeats.
     cone: vec4f,
-    /// First word of the picture that it projects, columns, rows; 1 where there is one in sRGB, 2 a linear one,
-    /// and 2 more where only the nearest texel is read.
+    /// First word of the picture that it projects, columns, rows; 1 where there is one in sRGB, 2 a linear
+    /// one, and 2 more where only the nearest texel is read.
     picture: vec4f,
     /// The picture's right.
     right: vec4f,

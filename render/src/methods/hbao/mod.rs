@@ -55,8 +55,9 @@ pub struct HbaoParameters {
 }
 
 impl HbaoParameters {
-    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur. The thesis has 16
-    /// directions of 24 steps (7.4); the rest is what `deepshade tune` found best on validation views of
+    /// Those of a quality: fewer directions and steps are faster, more leave less noise to the blur. The
+    /// thesis has 16 directions of 24 steps (7.4); the rest is what `deepshade tune` found best on validation
+    /// views of
     /// `dataset/recipes/ao-thesis.toml`.
     pub fn of(quality: Quality) -> Self {
         let (directions, steps) = match quality {

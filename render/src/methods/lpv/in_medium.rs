@@ -21,13 +21,14 @@ pub struct InMedium {
 }
 
 impl InMedium {
-    /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have reflected,
-    /// shown by the medium: `fog-multiple`.
+    /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have
+    /// reflected, shown by the medium: `fog-multiple`.
     pub const fn multiple(parameters: LpvParameters) -> Self {
         Self { parameters, light: Shown::Multiple, pixel: Pixel { medium: true, surface: true } }
     }
 
-    /// Light that one surface has reflected and that was not scattered yet, shown by the medium: `fog-indirect`.
+    /// Light that one surface has reflected and that was not scattered yet, shown by the medium:
+    /// `fog-indirect`.
     pub const fn indirect(parameters: LpvParameters) -> Self {
         Self::indirect_at(parameters, Pixel { medium: true, surface: false })
     }

@@ -243,8 +243,8 @@ fn injection(
     ])
 }
 
-/// Light that a scene sends by itself, on its way until surfaces reflect it or the medium scatters it: what they reflect
-/// is added to the volume's.
+/// Light that a scene sends by itself, on its way until surfaces reflect it or the medium scatters it: what
+/// they reflect is added to the volume's.
 fn emission_steps(
     device: &Device,
     Frame { world, view, .. }: Frame<'_>,

@@ -105,7 +105,8 @@ impl Technique for PrefilteredParameters {
     }
 }
 
-/// First texel and height of each map, the table of lobes, the maps' texels: one buffer, since a stage may have eight.
+/// First texel and height of each map, the table of lobes, the maps' texels: one buffer, since a stage may
+/// have eight.
 fn packed(environment: &Filtered) -> Vec<[f32; 4]> {
     let mut first = LEVELS + EXPONENTS * ANGLES;
     let mut packed = Vec::new();

@@ -1,6 +1,6 @@
-//! Subsurface scattering as random walks bring it out ([`Effect::Subsurface`]), by methods of scattering in screen
-//! space: [`separable`](super::separable) and [`gather`](super::gather), the rivals of surfels, which know only what is
-//! seen.
+//! Subsurface scattering as random walks bring it out ([`Effect::Subsurface`]), by methods of scattering in
+//! screen space: [`separable`](super::separable) and [`gather`](super::gather), the rivals of surfels, which
+//! know only what is seen.
 //!
 //! In screen space radiance is averaged by Christensen and Burley's profile (2015), whose length is the mean free path.
 //! Walks differ in two things. What they bring out is what falls on the surface elsewhere, in the colour of the surface
