@@ -48,15 +48,16 @@ pub fn place(text: &str) -> Result<Vec3, String> {
     }
 }
 
-/// Reads the name of a file to be written, and refuses what could not be: better now than when all work is done.
+/// Reads the name of a file to be written, and refuses what could not be: better now than when all work is
+/// done.
 pub fn written_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     atomic_file::check(&path).map_err(|error| error.to_string())?;
     Ok(path)
 }
 
-/// Makes a folder ready for a page and what it shows, and refuses one that holds something but no earlier page, which has a mark in
-/// it: better now than when all work is done.
+/// Makes a folder ready for a page and what it shows, and refuses one that holds something but no earlier
+/// page, which has a mark in it: better now than when all work is done.
 ///
 /// # Errors
 /// If so, or if it cannot be made.
@@ -90,7 +91,8 @@ pub fn html_file(text: &str) -> Result<PathBuf, String> {
     file_of_kind(text, "html")
 }
 
-/// A name without an extension is a device's or the user's own business; another one would say what is not true.
+/// A name without an extension is a device's or the user's own business; another one would say what is not
+/// true.
 fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
@@ -104,7 +106,8 @@ fn file_of_kind(text: &str, kind: &str) -> Result<PathBuf, String> {
 /// Edges of images, pixels: in smaller ones SSIM's window does not fit.
 pub const EDGES: RangeInclusive<usize> = 16..=8192;
 
-/// Refuses images that are too small to be judged, or too large; each edge by the name that it was stated under.
+/// Refuses images that are too small to be judged, or too large; each edge by the name that it was stated
+/// under.
 ///
 /// # Errors
 /// If one is not among [`EDGES`], or as [`check_pixels`].
@@ -119,7 +122,8 @@ pub fn check_size(names: [&str; 2], [height, width]: [usize; 2]) -> Result<()> {
 /// Refuses images whose truth would not fit into memory.
 ///
 /// # Errors
-/// If there are more than 2^25 pixels: the eight scramblings of one take 96 bytes, and what comes of them half as much.
+/// If there are more than 2^25 pixels: the eight scramblings of one take 96 bytes, and what comes of them
+/// half as much.
 pub fn check_pixels(height: usize, width: usize) -> Result<()> {
     const MOST: usize = 1 << 25;
     ensure!(height * width <= MOST, "{width} x {height} pixels are more than {MOST}");

@@ -1,5 +1,5 @@
-//! `deepshade compare`: methods against truth, for any set of effects, methods, scenes and views, which the command line
-//! says or a TOML file.
+//! `deepshade compare`: methods against truth, for any set of effects, methods, scenes and views, which the
+//! command line says or a TOML file.
 
 mod contest;
 mod description;
@@ -75,20 +75,21 @@ pub struct Args {
     /// A comparison's TOML file. Options beside it take the place of what it says.
     #[arg(long)]
     config: Option<PathBuf>,
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7. May be given several times.
+    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7. May be given
+    /// several times.
     #[arg(long, required_unless_present = "config")]
     scene: Vec<SceneSource>,
     /// What is computed, one effect or several; ao by default.
     #[arg(long, value_delimiter = ',')]
     effect: Vec<Effect>,
-    /// Which methods, each for those of the effects that have it; by default all that compute the effects, `learned` only
-    /// where there is a network, and neither `aov`, which takes minutes where the radius is large, nor
-    /// `screen-truth`, which is for studies. Truth is always rendered, since the others are measured against
-    /// it.
+    /// Which methods, each for those of the effects that have it; by default all that compute the effects,
+    /// `learned` only where there is a network, and neither `aov`, which takes minutes where the radius is
+    /// large, nor `screen-truth`, which is for studies. Truth is always rendered, since the others are
+    /// measured against it.
     #[arg(long, value_delimiter = ',')]
     methods: Vec<String>,
-    /// How much time analytic methods may take for a better image: one or several of low, medium, high, ultra; high by
-    /// default.
+    /// How much time analytic methods may take for a better image: one or several of low, medium, high,
+    /// ultra; high by default.
     #[arg(long, value_delimiter = ',')]
     quality: Vec<Quality>,
     /// Folder of the page and its images.

@@ -60,8 +60,8 @@ const PROBES: u32 = 32;
 /// Adds to a scene and a camera what is wanted and what is missing.
 ///
 /// # Errors
-/// If something is given that the effect does not listen to, the environment or the medium cannot be read, or the lens
-/// or the medium is none.
+/// If something is given that the effect does not listen to, the environment or the medium cannot be read, or
+/// the lens or the medium is none.
 pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Result<Completed> {
     let Wants { effect, additions, .. } = *wants;
     additions.check(effect)?;
@@ -122,7 +122,8 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     Ok(Completed { scene, camera, added })
 }
 
-/// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines for them.
+/// Adds a sky for effects that are lit by one alone, and a lamp for others in a scene where nothing shines
+/// for them.
 fn add_light(
     scene: &TracedScene,
     camera: &Camera,
@@ -167,8 +168,8 @@ fn middle_depth(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2
     met.map_or(scene.diagonal(), |hit| depth(hit.distance))
 }
 
-/// Whether some ray of a picture of `[height, width]` goes through a medium before it meets a surface, as far as
-/// `PROBES` rays a side say.
+/// Whether some ray of a picture of `[height, width]` goes through a medium before it meets a surface, as far
+/// as `PROBES` rays a side say.
 fn meets(scene: &TracedScene, camera: &Camera, [height, width]: [usize; 2], medium: &Medium) -> bool {
     let ray_meets = |x: u32, y: u32| {
         let share = (Vec2::new(x as f32, y as f32) + 0.5) / PROBES as f32;

@@ -41,8 +41,8 @@ pub enum Verb {
 pub struct RecipeArgs {
     /// The recipe, a TOML file.
     recipe: PathBuf,
-    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not the
-    /// recipe's own.
+    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not
+    /// the recipe's own.
     #[arg(long)]
     scenes: Option<PathBuf>,
 }

@@ -1,5 +1,6 @@
-//! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of families
-//! that it was not trained on; then data, a short training, export and a check of another one, on the spot.
+//! `deepshade demo`: the whole chain. The shipped network beside its analytic rival and truth, on scenes of
+//! families that it was not trained on; then data, a short training, export and a check of another one, on
+//! the spot.
 
 use crate::compare::{self, ComparedView, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings};
 use crate::figures::Figures;
@@ -40,8 +41,8 @@ pub struct Args {
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
     recipe: PathBuf,
     #[cfg(feature = "train")]
-    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not the
-    /// recipe's own.
+    /// Folder that the scene files of the recipe, and of its `test_recipes`, are relative to, where it is not
+    /// the recipe's own.
     #[arg(long)]
     scenes: Option<PathBuf>,
     #[cfg(feature = "train")]
@@ -213,7 +214,8 @@ mod short_training {
         check(&dataset, gpu, &model, figures)
     }
 
-    /// The folder of what a recipe gives: data of another recipe, or of another version of them, have one of their own.
+    /// The folder of what a recipe gives: data of another recipe, or of another version of them, have one of
+    /// their own.
     fn folder(args: &Args, recipe: &Recipe) -> Result<PathBuf> {
         let origin = Origin::new(recipe, &recipe.plan()?, &args.out)?;
         let stem = args.recipe.file_stem().unwrap_or_default().to_string_lossy();

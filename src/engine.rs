@@ -66,9 +66,9 @@ impl Engine {
         }
     }
 
-    /// One run's image, `[output channels, height, width]`, of its input, `[input channels, height, width]`, and how
-    /// long it took: the median of `timed` runs, at least one, after `warm_up` others, without the way to a graphics
-    /// card and back.
+    /// One run's image, `[output channels, height, width]`, of its input, `[input channels, height, width]`,
+    /// and how long it took: the median of `timed` runs, at least one, after `warm_up` others, without the
+    /// way to a graphics card and back.
     ///
     /// # Errors
     /// If the input is not the network's, or the device fails.

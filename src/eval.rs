@@ -1,4 +1,5 @@
-//! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over scenes.
+//! `deepshade eval`: an effect's methods, learned and analytic, on a test set, with confidence intervals over
+//! scenes.
 
 mod curve;
 pub mod names;
@@ -33,7 +34,8 @@ use serde_json::json;
 use sets::NamedSet;
 use std::path::{Path, PathBuf};
 
-/// Evaluates an effect's methods, learned and analytic, on a test set, or all networks beside the paper's figures.
+/// Evaluates an effect's methods, learned and analytic, on a test set, or all networks beside the paper's
+/// figures.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:\n  deepshade eval --model models/ao --json eval.json\n  \
     deepshade eval --effect gi --methods all --testset testsets/gi --json gi.json\n  \
@@ -64,8 +66,8 @@ pub struct Args {
     /// are at their best, else high.
     #[arg(long, value_delimiter = ',')]
     quality: Vec<Quality>,
-    /// What of the methods is set otherwise than their quality has it, NAME=VALUE,NAME=VALUE; `deepshade methods` lists what can
-    /// be. Several times for several ways, each of which is evaluated.
+    /// What of the methods is set otherwise than their quality has it, NAME=VALUE,NAME=VALUE;
+    /// `deepshade methods` lists what can be. Several times for several ways, each of which is evaluated.
     #[arg(long, value_parser = changes)]
     set: Vec<Changes>,
     /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
@@ -86,24 +88,26 @@ pub struct Args {
     /// remembers. Of several test sets those whose files are not there are passed over.
     #[arg(long)]
     scenes: Option<PathBuf>,
-    /// Only so many frames, spread over all of them. FLIP and pictures are of those whose truth is whole, maybe none of these.
+    /// Only so many frames, spread over all of them. FLIP and pictures are of those whose truth is whole,
+    /// maybe none of these.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean squared error, and
-    /// 1 - SSIM.
+    /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean
+    /// squared error, and 1 - SSIM.
     #[arg(long, value_parser = crate::arguments::svg_file)]
     curve: Option<PathBuf>,
     /// Writes the table of networks as Markdown.
     #[arg(long, requires = "all")]
     markdown: Option<PathBuf>,
-    /// Writes a page into this folder: the table of networks, and their best, median and worst frame in pictures.
+    /// Writes a page into this folder: the table of networks, and their best, median and worst frame in
+    /// pictures.
     #[arg(long, requires = "all")]
     page: Option<PathBuf>,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
-    /// Puts the network's figures, under its folder's name, into this JSON file in place of its older ones, those
-    /// of methods that are not asked for too; those of other networks stay.
+    /// Puts the network's figures, under its folder's name, into this JSON file in place of its older ones,
+    /// those of methods that are not asked for too; those of other networks stay.
     #[arg(long, value_parser = crate::arguments::written_file, conflicts_with = "frames")]
     results: Option<PathBuf>,
 }
@@ -259,7 +263,8 @@ fn is_learned_among(names: &[String]) -> bool {
     names.iter().any(|name| name == "all" || name == LEARNED)
 }
 
-/// Numbers of frames, ascending, that lie evenly among all and end with the last, as those do whose truth is whole.
+/// Numbers of frames, ascending, that lie evenly among all and end with the last, as those do whose truth is
+/// whole.
 fn spread(count: usize, wanted: usize) -> Vec<usize> {
     let from_the_end = lists::spread(count, wanted);
     from_the_end.into_iter().rev().map(|index| count - 1 - index).collect()

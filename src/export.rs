@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// Licence of exported weights, the program's own.
 const LICENCE: &str = "MIT OR Apache-2.0";
 
-/// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes with; or a
-/// model folder into WGSL files for any engine; or writes what was measured into a model's card.
+/// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes
+/// with; or a model folder into WGSL files for any engine; or writes what was measured into a model's card.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
 #[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics"])))]
@@ -51,8 +51,8 @@ pub struct Args {
     /// Folder or address of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
     dataset: Option<Place>,
-    /// What `deepshade eval --json` wrote about this network, for the card; with --model, for that of the folder that is
-    /// there.
+    /// What `deepshade eval --json` wrote about this network, for the card; with --model, for that of the
+    /// folder that is there.
     #[arg(long)]
     metrics: Option<PathBuf>,
     /// Writes the figures here as JSON.
@@ -63,8 +63,8 @@ pub struct Args {
 /// Writes the folder and says what it holds.
 ///
 /// # Errors
-/// If the run or its dataset's manifest cannot be read, that manifest is not the one that the run was trained with,
-/// the run has no network to export, or the folder cannot be written.
+/// If the run or its dataset's manifest cannot be read, that manifest is not the one that the run was trained
+/// with, the run has no network to export, or the folder cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let (name, model) = match (&args.run, &args.out, &args.model) {
         (Some(run), Some(out), _) => {
@@ -177,7 +177,8 @@ fn facts_of(recipe: &Recipe, file: &str, frames: &str, metrics: Vec<(String, Str
     }
 }
 
-/// Where scenes are from: families alone by their names; beside files or captures, how many there are of each.
+/// Where scenes are from: families alone by their names; beside files or captures, how many there are of
+/// each.
 fn scenes(recipe: &Recipe) -> String {
     let counted = |count: usize, one: &str| match count {
         0 => None,
@@ -193,7 +194,8 @@ fn scenes(recipe: &Recipe) -> String {
     families.chain(others.into_iter().flatten()).collect::<Vec<_>>().join(", ")
 }
 
-/// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this one.
+/// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this
+/// one.
 fn limits(recipe: &Recipe) -> Vec<String> {
     let field_of_view = recipe.field_of_view.unwrap_or(FieldOfView::Fixed(FIELD_OF_VIEW));
     let mut limits = vec![
@@ -233,8 +235,8 @@ fn limits(recipe: &Recipe) -> Vec<String> {
     limits
 }
 
-/// Figures that `eval` wrote about a network of an effect as the card's table, but for those that are there a second time under the
-/// network's name.
+/// Figures that `eval` wrote about a network of an effect as the card's table, but for those that are there a
+/// second time under the network's name.
 fn metrics(path: &Path, effect: Effect) -> Result<Vec<(String, String)>> {
     let read = || -> Result<Vec<(String, String)>> {
         let json: Value = serde_json::from_slice(&std::fs::read(path)?)?;

@@ -50,8 +50,8 @@ impl Args {
         listeners::check(effect, Setting::Shutter, &[("--shutter", self.shutter.is_some())])
     }
 
-    /// The scene at the moment, with what is put into it, and with what moves while the shutter is open where the effect
-    /// shows it.
+    /// The scene at the moment, with what is put into it, and with what moves while the shutter is open where
+    /// the effect shows it.
     ///
     /// # Errors
     /// If a file is missing or damaged, the time is none, or the effect has no shutter.

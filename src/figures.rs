@@ -1,5 +1,5 @@
-//! What a command found out, as one JSON file: `{"command", "machine", "figures", "details"}`, figures flat and with
-//! stable names.
+//! What a command found out, as one JSON file: `{"command", "machine", "figures", "details"}`, figures flat
+//! and with stable names.
 
 use anyhow::{Context, Result};
 use deepshade_render::processor_name;

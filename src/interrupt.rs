@@ -1,9 +1,9 @@
-//! Ctrl-C, and what a scheduler sends before it takes a machine away: the program says that nothing is lost and ends with
-//! the code that shells give it, 130 or 143.
+//! Ctrl-C, and what a scheduler sends before it takes a machine away: the program says that nothing is lost
+//! and ends with the code that shells give it, 130 or 143.
 //!
-//! Nothing has to be put in order first. Whatever is written is written so that a kill at any moment does no harm
-//! (`shaders::atomic_file`, the journal, checkpoints); the same command goes on from there. A training keeps
-//! more than that: it is asked to end after the step that it is at, and ended by the second signal.
+//! Nothing has to be put in order first. Whatever is written is written so that a kill at any moment does no
+//! harm (`shaders::atomic_file`, the journal, checkpoints); the same command goes on from there. A training
+//! keeps more than that: it is asked to end after the step that it is at, and ended by the second signal.
 
 use std::error::Error;
 use std::fmt::{self, Display, Formatter};

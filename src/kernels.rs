@@ -1,5 +1,5 @@
-//! The fastest kernels for a network on a graphics card: measured when a network first runs there, then remembered with
-//! the compiled kernels in the user's cache folder.
+//! The fastest kernels for a network on a graphics card: measured when a network first runs there, then
+//! remembered with the compiled kernels in the user's cache folder.
 
 use deepshade_infer::Model;
 use deepshade_infer::forward::{ForwardError, Network, Options, Precision, Tuning};
@@ -7,9 +7,10 @@ use deepshade_shaders::gpu::{Gpu, PipelineCache};
 use etcetera::BaseStrategy;
 use std::path::PathBuf;
 
-/// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in 32-bit floats where
-/// no kernel in half floats works. What cannot be remembered is measured again next time. On software
-/// adapters nothing is measured: they have kernels made for them, and measuring all others takes minutes.
+/// A network from buffers to buffers with its fastest kernels for images of about `[height, width]`, in
+/// 32-bit floats where no kernel in half floats works. What cannot be remembered is measured again next time.
+/// On software adapters nothing is measured: they have kernels made for them, and measuring all others takes
+/// minutes.
 ///
 /// # Errors
 /// If the device refuses the network; [`ForwardError::NoKernel`] if no kernel works there.

@@ -27,8 +27,8 @@ use std::path::{Path, PathBuf};
 
 pub use recorded::Recorded;
 
-/// The folder in which an effect's network lies unless another one is named: below `models` here, else among those that were
-/// installed with the program.
+/// The folder in which an effect's network lies unless another one is named: below `models` here, else among
+/// those that were installed with the program.
 pub fn usual_folder(effect: Effect) -> PathBuf {
     let here = Path::new("models").join(effect.name());
     let installed =

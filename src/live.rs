@@ -1,7 +1,7 @@
 //! A scene in motion on the GPU: frame after frame its g-buffer, and what methods make of it.
 //!
-//! Passes are timed one by one: by the GPU's own clock where it has one, some frames later, and else, as with software
-//! Vulkan, by waiting for each.
+//! Passes are timed one by one: by the GPU's own clock where it has one, some frames later, and else, as with
+//! software Vulkan, by waiting for each.
 
 #[cfg(any(feature = "view", target_arch = "wasm32"))]
 pub mod pilot;
@@ -133,14 +133,15 @@ impl Live {
         passes
     }
 
-    /// Moves, turns, dims or brightens the scene's lights, as many and of the same kinds, from the next frame on.
+    /// Moves, turns, dims or brightens the scene's lights, as many and of the same kinds, from the next frame
+    /// on.
     #[cfg(feature = "view")]
     pub fn set_lights(&mut self, lights: &[Light]) {
         self.frame.set_lights(&self.gpu.queue, lights);
     }
 
-    /// Runs the network with other weights from the next frame on. Whether it is the same but for these, and can; without a
-    /// network nothing is left to do.
+    /// Runs the network with other weights from the next frame on. Whether it is the same but for these, and
+    /// can; without a network nothing is left to do.
     ///
     /// # Errors
     /// If the device refuses.
@@ -161,8 +162,8 @@ impl Live {
         Ok(true)
     }
 
-    /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or, by the GPU's
-    /// clock, of one before, where that is known.
+    /// Makes the frame of a moment, seen by a camera. Gives the milliseconds of each pass: of this frame, or,
+    /// by the GPU's clock, of one before, where that is known.
     ///
     /// # Errors
     /// If the device fails.
@@ -322,8 +323,8 @@ impl Live {
         Ok(learned::outside(spec, &gbuffer, self.view.radius))
     }
 
-    /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the
-    /// depth that it had then, `[4, height, width]`.
+    /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth,
+    /// and the depth that it had then, `[4, height, width]`.
     ///
     /// # Errors
     /// If the device fails.
@@ -331,8 +332,8 @@ impl Live {
         gpu::wait(self.read(self.since.planes(), Since::PLANES))?
     }
 
-    /// Waits until all frames are made, and gives the milliseconds that the GPU's clock has not told of yet. Those of a
-    /// network, which runs by itself, are not among them.
+    /// Waits until all frames are made, and gives the milliseconds that the GPU's clock has not told of yet.
+    /// Those of a network, which runs by itself, are not among them.
     ///
     /// # Errors
     /// If the device fails.

@@ -118,7 +118,8 @@ pub fn dials(effect: Effect, name: &str, quality: Quality) -> Result<Vec<Dial>> 
 /// Opens a method that shades the screen in passes.
 ///
 /// # Errors
-/// If the effect has none of that name; those that it has are listed. If something is set that the method does not have.
+/// If the effect has none of that name; those that it has are listed. If something is set that the method
+/// does not have.
 pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, tuning: impl Into<Tuning>) -> Result<ScreenMethod> {
     let opened = of_effect(effect)
         .find(|entry| entry.name == name)
@@ -150,8 +151,8 @@ pub fn names_with_qualities(effect: Effect) -> Vec<&'static str> {
 /// Opens an effect's methods by name, in the order asked for; [`TRUTH`] is passed over.
 ///
 /// # Errors
-/// If there is no such method of this effect, one cannot be opened, or it computes another effect, as the network of
-/// `learned` may; all are named.
+/// If there is no such method of this effect, one cannot be opened, or it computes another effect, as the
+/// network of `learned` may; all are named.
 pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<dyn Method>>> {
     check(effect, names)?;
     let open = |name: &str| match of_effect(effect).find(|entry| entry.name == name) {
@@ -162,8 +163,8 @@ pub fn open(effect: Effect, names: &[&str], setup: Setup<'_>) -> Result<Vec<Box<
     asked.map(|name| open(name).with_context(|| format!("method `{name}`"))).collect()
 }
 
-/// Methods that go through a medium that is a grid: the others are left out and said, or refused where they are asked for by
-/// name.
+/// Methods that go through a medium that is a grid: the others are left out and said, or refused where they
+/// are asked for by name.
 ///
 /// # Errors
 /// If one that is asked for wants fog that is the same throughout, or all do; those that do not are listed.

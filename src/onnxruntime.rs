@@ -1,5 +1,5 @@
-//! onnxruntime's CPU provider: the oracle that the project's own forms of a network are checked against, and the rival
-//! that their speed is measured beside.
+//! onnxruntime's CPU provider: the oracle that the project's own forms of a network are checked against, and
+//! the rival that their speed is measured beside.
 //!
 //! Its native library is loaded when it is first needed; nothing else of the program needs it.
 
@@ -20,7 +20,8 @@ static ENVIRONMENT: Mutex<Option<Environment>> = Mutex::new(None);
 /// Command-line arguments of verbs that use onnxruntime.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// onnxruntime's native library (1.22 or newer); else ORT_DYLIB_PATH, else what `cargo xtask test` installed
+    /// onnxruntime's native library (1.22 or newer); else ORT_DYLIB_PATH, else what `cargo xtask test`
+    /// installed
     #[arg(long, value_name = "FILE")]
     onnxruntime: Option<PathBuf>,
 }
@@ -56,8 +57,8 @@ pub struct Session {
 }
 
 impl Session {
-    /// The network's images of an input `[channels, height, width]`, each with its name: as many as the file has
-    /// outputs.
+    /// The network's images of an input `[channels, height, width]`, each with its name: as many as the file
+    /// has outputs.
     ///
     /// # Errors
     /// If the input does not fit the network.

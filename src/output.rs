@@ -1,9 +1,9 @@
-//! What a verb tells people: `say!` on standard output, once its work is done, what it found out; `note!` on stderr,
-//! before that, what it is at.
+//! What a verb tells people: `say!` on standard output, once its work is done, what it found out; `note!` on
+//! stderr, before that, what it is at.
 //!
-//! `println!` panics where nobody reads any more (`deepshade scene --list | head -1`). Here that is an error, which
-//! `main` takes for a quiet end. That is right only where no work is left: hence verbs write their files, the JSON file
-//! too, before they say anything.
+//! `println!` panics where nobody reads any more (`deepshade scene --list | head -1`). Here that is an error,
+//! which `main` takes for a quiet end. That is right only where no work is left: hence verbs write their
+//! files, the JSON file too, before they say anything.
 
 use anyhow::{Context, Result};
 use std::fmt::Arguments;
@@ -41,7 +41,8 @@ pub fn aside(text: Arguments<'_>) {
     web_sys::console::log_1(&text.to_string().into());
 }
 
-/// An error with its causes, but for what it states already: a cause as a whole, or the name of a file that it is of.
+/// An error with its causes, but for what it states already: a cause as a whole, or the name of a file that
+/// it is of.
 pub(crate) fn message(error: &anyhow::Error) -> String {
     let mut message = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {

@@ -1,5 +1,5 @@
-//! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the
-//! exported file in onnxruntime.
+//! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine,
+//! and the exported file in onnxruntime.
 //!
 //! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference; WGSL
 //! in every kind of kernels that the device runs. Random weights are compared on noise, in both orders of
@@ -41,7 +41,8 @@ pub struct Args {
     /// Folder or address of a network; without it, random weights only.
     #[arg(long)]
     model: Option<Place>,
-    /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's own.
+    /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's
+    /// own.
     #[arg(long, value_delimiter = ',')]
     networks: Vec<Effect>,
     /// Sizes of the images, columns x rows.
@@ -109,8 +110,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-/// The networks that are checked with random weights: those asked for, and the model's, or the paper's for ambient
-/// occlusion where there is none.
+/// The networks that are checked with random weights: those asked for, and the model's, or the paper's for
+/// ambient occlusion where there is none.
 fn specs(args: &Args, model: Option<&Model>) -> Result<Vec<NetSpec>> {
     let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 512 };
     let published = |effect: &Effect| {
@@ -299,8 +300,8 @@ impl Check<'_> {
     }
 }
 
-/// A network in all kinds of kernels that run on a device: `wgsl`, those for software adapters, `wgsl_gpu`, those for
-/// graphics cards, and `wgsl_half`, those with feature maps in half floats.
+/// A network in all kinds of kernels that run on a device: `wgsl`, those for software adapters, `wgsl_gpu`,
+/// those for graphics cards, and `wgsl_half`, those with feature maps in half floats.
 fn kernels(gpu: &Gpu, model: &Model) -> Result<Vec<Wgsl>> {
     let Model { spec, weights } = model;
     let for_cards = || Variant::gpu(&gpu.device.limits(), spec, OutputKind::Buffer);

@@ -23,8 +23,8 @@ pub struct Prop {
 /// What is put into a scene.
 #[derive(clap::Args, Clone, Debug, Default, PartialEq)]
 pub struct Args {
-    /// Puts another scene into this one: SCENE@X,Y,Z,SCALE,DEGREES, metres and degrees about the upward axis, of which the
-    /// last one or two may be left out. May be given several times.
+    /// Puts another scene into this one: SCENE@X,Y,Z,SCALE,DEGREES, metres and degrees about the upward axis,
+    /// of which the last one or two may be left out. May be given several times.
     #[arg(long, allow_hyphen_values = true)]
     put: Vec<Prop>,
 }

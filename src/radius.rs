@@ -38,9 +38,9 @@ impl Space {
     }
 }
 
-/// The radius of some effects, metres: the one that is stated, else the default of the network that computes them, or of
-/// methods without one; no farther than the scene, beyond which there is nothing. A default is said where one of the effects
-/// listens to it.
+/// The radius of some effects, metres: the one that is stated, else the default of the network that computes
+/// them, or of methods without one; no farther than the scene, beyond which there is nothing. A default is
+/// said where one of the effects listens to it.
 pub fn wanted(stated: Option<f32>, reach: Option<Reach>, effects: &[Effect], space: Space) -> f32 {
     let radius = stated.unwrap_or_else(|| {
         let radius = space.usual_radius(reach);

@@ -35,10 +35,11 @@ use std::time::Instant;
 
 /// Renders a picture of one effect's truth, refining it before one's eyes.
 ///
-/// Beside an EXR file with the linear values, their variance and where they are from, there is a PNG file to look at,
-/// which grows better while the program works. What an effect needs and the scene does not bring (light, a lens, fog)
-/// is added, and said. It is seen from the file's first camera, unless --camera, --view or --eye says from
-/// where. Where the file has none a place is seen from a sampled view, and anything else from outside.
+/// Beside an EXR file with the linear values, their variance and where they are from, there is a PNG file to
+/// look at, which grows better while the program works. What an effect needs and the scene does not bring
+/// (light, a lens, fog) is added, and said. It is seen from the file's first camera, unless --camera, --view
+/// or --eye says from where. Where the file has none a place is seen from a sampled view, and anything else
+/// from outside.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  deepshade render --scene sponza.gltf --effect path --spp 256 --out sponza.exr\n  \
@@ -67,7 +68,8 @@ pub struct Args {
     props: props::Args,
     #[command(flatten)]
     viewpoint: Viewpoint,
-    /// The picture: an .exr or .png file; the other of the two is written beside it. By default SCENE-EFFECT.exr.
+    /// The picture: an .exr or .png file; the other of the two is written beside it. By default
+    /// SCENE-EFFECT.exr.
     #[arg(long)]
     out: Option<PathBuf>,
     /// Rows.
@@ -86,8 +88,8 @@ pub struct Args {
     /// Radiance that becomes 1 in the PNG; by default as the picture's brightness wants it.
     #[arg(long, value_parser = positive)]
     white: Option<f32>,
-    /// Shows the PNG as eyes in the dark see it: bluish, blurred, noisy; by how much, from 0 (day) to 1 (night). The blur is of
-    /// visual angle: pictures of few rows, of which a pixel is coarser, have none.
+    /// Shows the PNG as eyes in the dark see it: bluish, blurred, noisy; by how much, from 0 (day) to 1
+    /// (night). The blur is of visual angle: pictures of few rows, of which a pixel is coarser, have none.
     #[arg(long, num_args = 0..=1, default_missing_value = "1", value_parser = crate::arguments::within(0.0..=1.0))]
     scotopic: Option<f32>,
     /// Chooses sampled views, added lights and samples.
@@ -116,7 +118,8 @@ const SAMPLES: u32 = 256;
 /// Renders, and writes the picture.
 ///
 /// # Errors
-/// If the scene or the environment cannot be read, there is no such camera or view, or a file cannot be written.
+/// If the scene or the environment cannot be read, there is no such camera or view, or a file cannot be
+/// written.
 pub fn run(args: &Args) -> Result<()> {
     if args.sequence.is_wanted() {
         return animate::run(args);
@@ -204,7 +207,8 @@ fn both_endings(out: &Path) -> Result<[PathBuf; 2]> {
     Ok(["exr", "png"].map(|kind| if ending == kind { out.to_owned() } else { out.with_extension(kind) }))
 }
 
-/// Refines the picture until there are samples enough or its noise is small enough; the PNG shows what is known so far.
+/// Refines the picture until there are samples enough or its noise is small enough; the PNG shows what is
+/// known so far.
 fn refined(args: &Args, shot: &Shot<'_>, png: &Path) -> Result<Truth> {
     let goal = args.samples.goal(SAMPLES);
     let pixels = (shot.height * shot.width) as u64;

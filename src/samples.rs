@@ -13,8 +13,8 @@ pub struct Args {
     /// Samples a pixel of truth, rounded up to a multiple of 8; with --error the most, 16384 by default.
     #[arg(long, visible_alias = "samples", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     spp: Option<u32>,
-    /// Stops once truth's noise is below this share of its values (the square root of the noise's relative mean squared
-    /// error); looked at whenever the samples have doubled, from 128 on.
+    /// Stops once truth's noise is below this share of its values (the square root of the noise's relative
+    /// mean squared error); looked at whenever the samples have doubled, from 128 on.
     #[arg(long, value_parser = positive)]
     error: Option<f32>,
 }

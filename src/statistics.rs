@@ -1,5 +1,5 @@
-//! Means with confidence intervals. Frames of a scene resemble each other, so scenes, not frames, are what is drawn:
-//! the interval is a bootstrap over scene means (Efron 1979).
+//! Means with confidence intervals. Frames of a scene resemble each other, so scenes, not frames, are what is
+//! drawn: the interval is a bootstrap over scene means (Efron 1979).
 
 use deepshade_shaders::split_mix::{STEP, finalised};
 use std::collections::BTreeMap;
@@ -24,7 +24,8 @@ impl std::fmt::Display for Estimate {
 /// Times that the scenes are drawn anew.
 const RESAMPLES: usize = 2000;
 
-/// The mean over scenes of the mean over each scene's frames, with its interval. `values` are (scene, value) pairs.
+/// The mean over scenes of the mean over each scene's frames, with its interval. `values` are (scene, value)
+/// pairs.
 ///
 /// # Panics
 /// If there is no value.

@@ -1,7 +1,7 @@
 //! Tables, for a terminal and as Markdown: columns as wide as what they hold.
 
-/// Lines of a table whose first row is its head. Columns of numbers end at the right, others begin at the left; rows may
-/// have empty cells, and as many as the head.
+/// Lines of a table whose first row is its head. Columns of numbers end at the right, others begin at the
+/// left; rows may have empty cells, and as many as the head.
 pub fn aligned(rows: &[Vec<String>]) -> String {
     let (cells, _) = padded(rows);
     let lines: Vec<String> = cells.iter().map(|row| row.join("  ").trim_end().to_owned()).collect();

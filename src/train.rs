@@ -66,7 +66,8 @@ pub struct Args {
     /// What is made small [default: dssim-l2-means for a network that corrects an estimate, else dssim-l2].
     #[arg(long, value_enum)]
     loss: Option<LossName>,
-    /// Model whose weights the run begins with, in place of random ones; its last layer must be that of --last.
+    /// Model whose weights the run begins with, in place of random ones; its last layer must be that of
+    /// --last.
     #[arg(long, value_name = "FOLDER")]
     from: Option<Place>,
     /// How weights follow gradients: the practical default, or the paper's.
@@ -79,7 +80,8 @@ pub struct Args {
     /// Images a step.
     #[arg(long, default_value_t = defaults().batch)]
     batch: usize,
-    /// Devices that share the images of each step: GPUs where it was built for them, threads of the processor else.
+    /// Devices that share the images of each step: GPUs where it was built for them, threads of the processor
+    /// else.
     #[arg(long, default_value_t = defaults().devices)]
     devices: usize,
     #[arg(long, help = crop_help())]

@@ -1,5 +1,5 @@
-//! `deepshade tune`: a method's parameters, chosen on the validation views of a dataset, so that it meets the network on
-//! equal terms.
+//! `deepshade tune`: a method's parameters, chosen on the validation views of a dataset, so that it meets the
+//! network on equal terms.
 
 mod views;
 
@@ -41,10 +41,12 @@ pub struct Args {
     /// The quality that it is tuned in.
     #[arg(long, default_value = Quality::default().name())]
     quality: Quality,
-    /// Parameters that are tuned, with commas between them [default: all but whole numbers]; `deepshade methods` lists them.
+    /// Parameters that are tuned, with commas between them [default: all but whole numbers];
+    /// `deepshade methods` lists them.
     #[arg(long, value_delimiter = ',', value_parser = crate::arguments::name)]
     parameters: Vec<String>,
-    /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset remembers.
+    /// Folder that the recipe's scene files are relative to, where it is not the one that the dataset
+    /// remembers.
     #[arg(long)]
     scenes: Option<PathBuf>,
     /// At most so many validation views, spread over all of them.
@@ -63,7 +65,8 @@ const SHARES: [f64; 4] = [0.02, 0.05, 0.1, 0.25];
 /// Tunes, prints and writes what was found.
 ///
 /// # Errors
-/// If the dataset is for another effect or has too few validation views, there is no such parameter, or the method fails.
+/// If the dataset is for another effect or has too few validation views, there is no such parameter, or the
+/// method fails.
 pub fn run(args: &Args) -> Result<()> {
     let folder = args.dataset.read()?;
     let dataset = Dataset::open(&folder)?;
@@ -177,8 +180,8 @@ fn opened(gpu: &Gpu, effect: Effect, args: &Args, changes: &Changes) -> Result<B
     opened.into_iter().next().with_context(|| format!("`{}` is what others are tuned to", args.method))
 }
 
-/// Coordinate descent: the changes whose images are most similar to truth, given how similar those of each view are with some
-/// changes. Values with which the method fails are said and passed over.
+/// Coordinate descent: the changes whose images are most similar to truth, given how similar those of each
+/// view are with some changes. Values with which the method fails are said and passed over.
 ///
 /// # Errors
 /// If the method fails as it is.
@@ -207,7 +210,8 @@ fn tuned(dials: &[Dial], similarities: impl Fn(&Changes) -> Result<Vec<f64>>) ->
     Ok(best)
 }
 
-/// Whether values are greater than others of the same views by more than the standard error of the mean difference.
+/// Whether values are greater than others of the same views by more than the standard error of the mean
+/// difference.
 fn is_better(values: &[f64], others: &[f64]) -> bool {
     let gains: Vec<f64> = values.iter().zip(others).map(|(value, other)| value - other).collect();
     let count = gains.len() as f64;
@@ -232,8 +236,8 @@ fn value_in(dial: &Dial, changes: &Changes) -> f64 {
     changed.unwrap_or(dial.usual)
 }
 
-/// Values that are tried in place of one, each of which the parameter takes: the value times factors, the least, which is
-/// often to do without it, and what the quality has.
+/// Values that are tried in place of one, each of which the parameter takes: the value times factors, the
+/// least, which is often to do without it, and what the quality has.
 fn others(dial: &Dial, value: f64, factors: [f64; 6]) -> Vec<f64> {
     let [least, most] = dial.range;
     let scaled = || match value == 0.0 {

@@ -99,11 +99,12 @@ impl Viewpoint {
         Ok(())
     }
 
-    /// The view that is stated, else that of the file's first camera, or the first one of a scene that brings none.
+    /// The view that is stated, else that of the file's first camera, or the first one of a scene that brings
+    /// none.
     ///
     /// # Errors
-    /// If the file has no camera of the name asked for, there is no direction to look in, or no view of the scene can be
-    /// found.
+    /// If the file has no camera of the name asked for, there is no direction to look in, or no view of the
+    /// scene can be found.
     pub fn of(&self, source: &SceneSource, scene: &TracedScene, size: [usize; 2], seed: u32) -> Result<View> {
         Ok(match self.stated(scene, size, seed)? {
             Some(view) => view,
@@ -149,8 +150,8 @@ impl Args {
     }
 }
 
-/// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one view where it
-/// has none.
+/// The views of a scene that are chosen, for images of `[height, width]`; else its file's own cameras, or one
+/// view where it has none.
 ///
 /// # Errors
 /// As [`Viewpoint::of`], and if a camera stands inside of geometry.

@@ -1,4 +1,5 @@
-//! A network's WGSL files in a folder, of one network only: `network.json`, which lists them, goes first and comes last.
+//! A network's WGSL files in a folder, of one network only: `network.json`, which lists them, goes first and
+//! comes last.
 
 use crate::figures::write_atomically;
 use anyhow::{Context, Result};
@@ -10,8 +11,9 @@ use std::path::{Component, Path};
 /// The file that lists the others.
 const LIST: &str = "network.json";
 
-/// Writes the files of [`wgsl_files`](deepshade_infer::forward::wgsl_files) into a folder in place of those that an older
-/// list there names. Killed at any moment, the folder holds the old network, the new one, or no list.
+/// Writes the files of [`wgsl_files`](deepshade_infer::forward::wgsl_files) into a folder in place of those
+/// that an older list there names. Killed at any moment, the folder holds the old network, the new one, or no
+/// list.
 ///
 /// # Errors
 /// If a file cannot be deleted or written.

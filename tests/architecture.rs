@@ -1,5 +1,5 @@
-//! What ARCHITECTURE.md promises: who imports whom, where burn may be, how long a file may be; and that what people read
-//! about g-buffers has every channel.
+//! What ARCHITECTURE.md promises: who imports whom, where burn may be, how long a file may be; and that what
+//! people read about g-buffers has every channel.
 
 use deepshade_shaders::Attribute;
 use serde::Deserialize;
@@ -59,8 +59,9 @@ const LAYERS: [&[&str]; 6] = [
 
 const MOST_LINES: usize = 500;
 
-/// What `cargo metadata` says of this workspace, as far as these tests ask. The crate `cargo_metadata` would switch
-/// on features of serde that the program is built without, and everything above serde would be built twice.
+/// What `cargo metadata` says of this workspace, as far as these tests ask. The crate `cargo_metadata` would
+/// switch on features of serde that the program is built without, and everything above serde would be built
+/// twice.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,

@@ -1,6 +1,6 @@
-//! What people give the program by mistake: it names what is wrong, ends with a code other than 0, does not panic, and
-//! leaves no file behind. Every kind of damage to a file has tests in the crate that reads it; here one of each kind
-//! goes through the program. What `infer` is given is in `infer.rs`.
+//! What people give the program by mistake: it names what is wrong, ends with a code other than 0, does not
+//! panic, and leaves no file behind. Every kind of damage to a file has tests in the crate that reads it;
+//! here one of each kind goes through the program. What `infer` is given is in `infer.rs`.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -253,8 +253,8 @@ fn a_disk_that_is_full() {
     let case = Case::new();
     case.assert_refused(&["scene", "stairs:7", "--json", "/dev/full"], &["/dev/full", "No space left"]);
 
-    // As a full disk, but for one process: files beyond so many KiB fail, where the signal of that is ignored. That is
-    // room for the journal, and not for a pair.
+    // As a full disk, but for one process: files beyond so many KiB fail, where the signal of that is
+    // ignored. That is room for the journal, and not for a pair.
     case.write("recipe.toml", recipe("seed = 3", "seed = 3"));
     let generate = ["dataset", "generate", "recipe.toml", "--out", "data"];
     let output = Command::new("bash")

@@ -1,5 +1,6 @@
-//! What the book promises: its summary lists its chapters, what it links to is there, its commands are the program's, and
-//! no command, effect or method is left out. What README.md and CONTRIBUTING.md show of commands is the program's, too.
+//! What the book promises: its summary lists its chapters, what it links to is there, its commands are the
+//! program's, and no command, effect or method is left out. What README.md and CONTRIBUTING.md show of
+//! commands is the program's, too.
 
 #[path = "book/shown.rs"]
 mod shown;

@@ -1,4 +1,5 @@
-//! What the cards of shipped networks say of their data: that they were trained and tested on scenes that are apart.
+//! What the cards of shipped networks say of their data: that they were trained and tested on scenes that are
+//! apart.
 
 use deepshade_dataset::Recipe;
 use deepshade_dataset::vary::Surroundings;

@@ -1,5 +1,5 @@
-//! The whole chain through the program, as small as it goes: data, training, export, running, comparing, evaluating,
-//! measuring; and the figures that scripts ask for by name.
+//! The whole chain through the program, as small as it goes: data, training, export, running, comparing,
+//! evaluating, measuring; and the figures that scripts ask for by name.
 #![cfg(feature = "train")]
 
 use serde_json::Value;
@@ -48,7 +48,8 @@ impl Chain {
         figures
     }
 
-    /// Runs the program where files beyond so many KiB fail, as on a full disk; it must name the file that did.
+    /// Runs the program where files beyond so many KiB fail, as on a full disk; it must name the file that
+    /// did.
     #[cfg(target_os = "linux")]
     fn assert_full(&self, kib: u32, line: &str, named: &str) {
         let limit = format!("trap '' XFSZ; ulimit -f {kib}; exec \"$@\"");
@@ -191,7 +192,8 @@ fn from_a_recipe_to_a_network_that_is_compared() {
 fn a_pair_takes_milliseconds_to_minutes_and_its_parts_are_all_of_it() {
     let chain = Chain(tempfile::tempdir().expect("a folder"));
     let recipes = Path::new(env!("CARGO_MANIFEST_DIR")).join("dataset/recipes");
-    // The median of three: what another program takes from the tiles that are timed, one in 64, counts 64 times.
+    // The median of three: what another program takes from the tiles that are timed, one in 64, counts 64
+    // times.
     let bench = format!("bench dataset --recipes {} --effects do --pairs 3 --one-in 64", recipes.display());
     let made = chain.figures(&bench, &["pairs_per_hour_core_do"]);
     let pairs = made["pairs_per_hour_core_do"].as_f64().expect("a number");

@@ -1,5 +1,5 @@
-//! `deepshade dataset generate`, killed again and again, ends with the bytes of an undisturbed run, and no half file
-//! ever bears a final name.
+//! `deepshade dataset generate`, killed again and again, ends with the bytes of an undisturbed run, and no
+//! half file ever bears a final name.
 
 use std::collections::BTreeMap;
 use std::hash::{BuildHasher, RandomState};

@@ -1,4 +1,5 @@
-//! The forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the exported file in onnxruntime.
+//! The forms of a network agree: burn, the plain reference, WGSL, the CPU engine, and the exported file in
+//! onnxruntime.
 //!
 //! Sizes are small here; `deepshade parity --model models/ao` checks large ones too.
 #![cfg(feature = "train")]

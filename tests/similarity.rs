@@ -1,4 +1,5 @@
-//! The loss that networks are trained with and the metric that they are measured with are the same similarity.
+//! The loss that networks are trained with and the metric that they are measured with are the same
+//! similarity.
 #![cfg(feature = "train")]
 
 use deepshade_render::metrics::ssim;

@@ -1,8 +1,10 @@
-//! Everything that others may have written, read from the corpus that `cargo xtask fuzz` begins with, as it is and changed
-//! at random: nothing panics, hangs or asks for the whole memory. What libFuzzer has found lies in the corpus, too.
+//! Everything that others may have written, read from the corpus that `cargo xtask fuzz` begins with, as it
+//! is and changed at random: nothing panics, hangs or asks for the whole memory. What libFuzzer has found
+//! lies in the corpus, too.
 //!
-//! An input that takes too long is told by a thread that watches, which ends the program; one that asks for more memory than there
-//! is here ends it at once. Either way the inputs that were being read lie in the folder for temporary files.
+//! An input that takes too long is told by a thread that watches, which ends the program; one that asks for
+//! more memory than there is here ends it at once. Either way the inputs that were being read lie in the
+//! folder for temporary files.
 
 #[path = "../fuzz/src/readers.rs"]
 mod readers;
@@ -54,8 +56,8 @@ fn nothing_that_others_may_have_written_breaks_a_reader() {
     let at_once = std::thread::available_parallelism().map_or(1, NonZero::get).min(READERS.len());
     MEMORY.set_limit(at_once * MOST_BYTES).expect("nothing has been read yet");
     std::thread::spawn(watch);
-    // Not rayon's threads, which readers use themselves: one that waits for another would meanwhile read other inputs, and the
-    // first would seem to take as long.
+    // Not rayon's threads, which readers use themselves: one that waits for another would meanwhile read
+    // other inputs, and the first would seem to take as long.
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..at_once {

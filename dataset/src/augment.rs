@@ -1,5 +1,5 @@
-//! The paper's augmentation: a pair rotated by quarter turns and mirrored is another sound pair, once vectors in
-//! camera space turn with the image (thesis 7.3.1).
+//! The paper's augmentation: a pair rotated by quarter turns and mirrored is another sound pair, once vectors
+//! in camera space turn with the image (thesis 7.3.1).
 
 use crate::Pair;
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
@@ -28,8 +28,8 @@ impl Symmetry {
         Self::new(true, 3),
     ];
 
-    /// Those that leave pairs of an effect sound: all, but none where light comes from where the camera says, as in the look
-    /// of photographs (thesis 7.4), which a rolled camera would not have seen so.
+    /// Those that leave pairs of an effect sound: all, but none where light comes from where the camera says,
+    /// as in the look of photographs (thesis 7.4), which a rolled camera would not have seen so.
     pub const fn of(effect: Effect) -> &'static [Self] {
         if effect.definition().turns { &Self::ALL } else { &[Self::IDENTITY] }
     }
@@ -62,7 +62,8 @@ impl Symmetry {
             if self.swaps_axes() { (old_width, old_height) } else { (old_height, old_width) };
         let [[a, b], [c, d]] = self.matrix();
         Planes::from_fn(image.channels(), height, width, |channel, y, x| {
-            // Twice the distance from the middle, so that it is whole; the inverse of the matrix is its transpose.
+            // Twice the distance from the middle, so that it is whole; the inverse of the matrix is its
+            // transpose.
             let right = 2 * x as i32 - (width as i32 - 1);
             let up = (height as i32 - 1) - 2 * y as i32;
             let (from_right, from_up) = (a * right + c * up, b * right + d * up);
@@ -72,7 +73,8 @@ impl Symmetry {
         })
     }
 
-    /// Turns and mirrors a g-buffer: pixels move, and vectors in camera space and movements in the image turn.
+    /// Turns and mirrors a g-buffer: pixels move, and vectors in camera space and movements in the image
+    /// turn.
     pub fn apply(self, gbuffer: &GBuffer) -> GBuffer {
         let mut planes = self.move_pixels(gbuffer.planes());
         let mut first = 0;

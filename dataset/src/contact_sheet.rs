@@ -1,5 +1,5 @@
-//! A picture of some pairs or frames of a test set: one row a pair, one column a channel, for looking at with one's own eyes. Red, green and
-//! blue share a column, and so do the direction and the length of a movement.
+//! A picture of some pairs or frames of a test set: one row a pair, one column a channel, for looking at with
+//! one's own eyes. Red, green and blue share a column, and so do the direction and the length of a movement.
 
 mod paint;
 
@@ -20,10 +20,10 @@ const LINE: usize = 12;
 const BACKGROUND: Rgb = [32; 3];
 const INK: Rgb = [255; 3];
 
-/// Draws some pairs into a PNG file: above each row where the pair comes from, under each column the channel and the
-/// range that is shown. Scalars go from black to white; numbers that may be negative are blue below 0 and orange
-/// above; colours are themselves, as sRGB; movements have the hue of their direction and the brightness of their
-/// length.
+/// Draws some pairs into a PNG file: above each row where the pair comes from, under each column the channel
+/// and the range that is shown. Scalars go from black to white; numbers that may be negative are blue below 0
+/// and orange above; colours are themselves, as sRGB; movements have the hue of their direction and the
+/// brightness of their length.
 ///
 /// # Errors
 /// If a pair cannot be read or the picture cannot be written.
@@ -159,14 +159,15 @@ fn seen_range(plane: &[f32], gbuffer: &GBuffer) -> (f32, f32) {
     })
 }
 
-/// The range to stretch from: a plane of one value has none of its own and is shown by that value, beside 0 and 1.
+/// The range to stretch from: a plane of one value has none of its own and is shown by that value, beside 0
+/// and 1.
 const fn shown_range((low, high): (f32, f32)) -> (f32, f32) {
     if low < high { (low, high) } else { (low.min(0.0), high.max(1.0)) }
 }
 
 impl Column {
-    /// Shrinks planes by a whole factor, at most to one pixel across, or enlarges them by one, and paints what `range`
-    /// spans.
+    /// Shrinks planes by a whole factor, at most to one pixel across, or enlarges them by one, and paints
+    /// what `range` spans.
     fn new(
         name: &str,
         planes: &[&[f32]],

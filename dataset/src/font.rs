@@ -14,8 +14,8 @@ pub fn pixels(text: &str) -> impl Iterator<Item = [usize; 2]> {
     })
 }
 
-/// The rows of a character from the top, each five bits with the leftmost pixel highest. Unknown characters are
-/// blank.
+/// The rows of a character from the top, each five bits with the leftmost pixel highest. Unknown characters
+/// are blank.
 const fn rows(character: char) -> [u8; 7] {
     match character {
         'a' => [0, 0, 0b01110, 0b00001, 0b01111, 0b10001, 0b01111],

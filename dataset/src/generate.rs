@@ -1,9 +1,10 @@
 //! Making a dataset: `pairs/<scene>-<view>.exr` and `manifest.json`.
 //!
-//! The same recipe gives the same bytes, whatever the number of threads and however often the program was killed on
-//! the way: every random number is a hash of what it is for, and every finished file is noted in a journal. That holds
-//! between machines of one kind: rays round once where the processor has fused multiply-add and twice where it has not,
-//! and sines are the system's, so that others may differ in last digits, and where a ray meets an edge.
+//! The same recipe gives the same bytes, whatever the number of threads and however often the program was
+//! killed on the way: every random number is a hash of what it is for, and every finished file is noted in a
+//! journal. That holds between machines of one kind: rays round once where the processor has fused
+//! multiply-add and twice where it has not, and sines are the system's, so that others may differ in last
+//! digits, and where a ray meets an edge.
 
 mod captured;
 pub(crate) mod rendered;
@@ -48,8 +49,8 @@ pub struct Summary {
 /// stderr.
 ///
 /// # Errors
-/// If the recipe is for test sets or aims at a method's images, a scene cannot be had or has no fit view, or the folder
-/// cannot be written, is in use or holds other data.
+/// If the recipe is for test sets or aims at a method's images, a scene cannot be had or has no fit view, or
+/// the folder cannot be written, is in use or holds other data.
 pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Summary, DatasetError> {
     generate_by(recipe, folder, None)
 }
@@ -123,8 +124,8 @@ fn generate_part(
     Ok(Summary { pairs: total, rendered: total - known.len(), bytes })
 }
 
-/// What `records` gives of every scene, in the plan's order. A few scenes at a time are in memory, however many there
-/// are and however large: one is built while another is rendered.
+/// What `records` gives of every scene, in the plan's order. A few scenes at a time are in memory, however
+/// many there are and however large: one is built while another is rendered.
 pub(crate) fn by_scene<R: Send>(
     plan: &[PlannedScene],
     records: impl Fn(usize, &PlannedScene) -> Result<Vec<R>, DatasetError> + Sync,

@@ -1,5 +1,5 @@
-//! Who has taken a folder: whoever holds a folder's lock writes into it which program it is, so that whoever comes second
-//! can say whom to wait for. The lock decides; the note is for people.
+//! Who has taken a folder: whoever holds a folder's lock writes into it which program it is, so that whoever
+//! comes second can say whom to wait for. The lock decides; the note is for people.
 
 use deepshade_shaders::atomic_file::TEMPORARY_PREFIX;
 use std::path::{Path, PathBuf};
@@ -17,8 +17,8 @@ pub struct Holder {
 }
 
 impl Holder {
-    /// Notes in a folder, whose lock is held, that this program has it. A note that cannot be written is left out: what is
-    /// then missing is a name in an error of another program.
+    /// Notes in a folder, whose lock is held, that this program has it. A note that cannot be written is left
+    /// out: what is then missing is a name in an error of another program.
     #[must_use]
     pub fn sign(folder: &Path) -> Self {
         let path = note(folder);

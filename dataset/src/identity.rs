@@ -1,5 +1,5 @@
-//! What tells scenes apart: their contents, not their files, so that a change of a file that a scene file refers to is
-//! noticed, and so is a scene that was exported anew.
+//! What tells scenes apart: their contents, not their files, so that a change of a file that a scene file
+//! refers to is noticed, and so is a scene that was exported anew.
 
 use crate::random::mix;
 use deepshade_render::scene::{Bounds, Filter, Material, Scene};
@@ -14,8 +14,8 @@ const SAME: f64 = 0.5;
 pub struct Identity {
     /// [`scene_hash`].
     pub hash: String,
-    /// A hash of every triangle, ascending, none twice. Corners are relative to the scene's box and rounded, so that
-    /// order, names, materials, the unit of length and the last digits do not matter.
+    /// A hash of every triangle, ascending, none twice. Corners are relative to the scene's box and rounded,
+    /// so that order, names, materials, the unit of length and the last digits do not matter.
     triangles: Vec<u64>,
 }
 
@@ -34,8 +34,8 @@ impl Identity {
     }
 }
 
-/// BLAKE3 hash, in hexadecimal, of all that a scene shows: triangles, materials, textures and lights, in their order.
-/// Names and cameras do not count.
+/// BLAKE3 hash, in hexadecimal, of all that a scene shows: triangles, materials, textures and lights, in
+/// their order. Names and cameras do not count.
 pub fn scene_hash(scene: &Scene) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut list = |bytes: Vec<u8>| {
@@ -110,8 +110,8 @@ mod tests {
         Family::Stairs.scene(1)
     }
 
-    /// A scene as another program might write it: meshes and triangles in another order, every corner a vertex of
-    /// its own, in centimetres, with the digits that are left then.
+    /// A scene as another program might write it: meshes and triangles in another order, every corner a
+    /// vertex of its own, in centimetres, with the digits that are left then.
     fn exported(scene: &Scene) -> Scene {
         let meshes = scene.meshes.iter().rev().map(|mesh| {
             let corners = (0..mesh.triangles.len()).rev().flat_map(|i| mesh.corners(i));

@@ -1,8 +1,9 @@
-//! What makes a long job resumable: a file of one JSON line for every finished piece, with the hashes of its files.
+//! What makes a long job resumable: a file of one JSON line for every finished piece, with the hashes of its
+//! files.
 //!
-//! A line is written after its files bear their final names. Whoever starts the job again believes a line only if
-//! the files have the hashes that the line says, so neither a lost line nor a damaged file does harm. The first line says
-//! what is being made; another job is refused. When all is done, the journal is deleted.
+//! A line is written after its files bear their final names. Whoever starts the job again believes a line
+//! only if the files have the hashes that the line says, so neither a lost line nor a damaged file does harm.
+//! The first line says what is being made; another job is refused. When all is done, the journal is deleted.
 
 use crate::DatasetError;
 use crate::holder::Holder;
@@ -39,11 +40,13 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens or begins the journal of what `origin` makes in a folder, deletes what a killed program left half-written in the
-    /// folder and its `subfolders`, and returns the entries so far, unchecked. A finished job leaves a file `whole`.
+    /// Opens or begins the journal of what `origin` makes in a folder, deletes what a killed program left
+    /// half-written in the folder and its `subfolders`, and returns the entries so far, unchecked. A finished
+    /// job leaves a file `whole`.
     ///
     /// # Errors
-    /// If the folder cannot be written, is in use, or holds another job's journal or anything that is no job's.
+    /// If the folder cannot be written, is in use, or holds another job's journal or anything that is no
+    /// job's.
     pub fn open<E: Entry>(
         folder: &Path,
         subfolders: &[&str],

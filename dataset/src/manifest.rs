@@ -1,5 +1,5 @@
-//! The manifest: what a dataset consists of and where each file comes from. It is written last, so a folder with a
-//! manifest is a whole dataset.
+//! The manifest: what a dataset consists of and where each file comes from. It is written last, so a folder
+//! with a manifest is a whole dataset.
 
 use crate::journal::Entry;
 use crate::origin::{Origin, Versioned};
@@ -61,8 +61,8 @@ impl Manifest {
     /// Reads the manifest of a dataset's folder.
     ///
     /// # Errors
-    /// If it is missing, as it is in the folder of a shard, damaged, of another version of the data, or states values beyond a
-    /// recipe's limits.
+    /// If it is missing, as it is in the folder of a shard, damaged, of another version of the data, or
+    /// states values beyond a recipe's limits.
     pub fn load(folder: &Path) -> Result<Self, DatasetError> {
         match Shard::in_folder(folder) {
             Some(shard) => Err(DatasetError::invalid(folder, shard.is_no_dataset())),
@@ -84,9 +84,9 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// BLAKE3 hash, in hexadecimal, of the manifest in a dataset's folder, but for the way to scene files, which depends on
-    /// where the folder is. It tells the data from all others, since the manifest holds the hash of every pair. Where no way
-    /// is stated it is the hash of the file.
+    /// BLAKE3 hash, in hexadecimal, of the manifest in a dataset's folder, but for the way to scene files,
+    /// which depends on where the folder is. It tells the data from all others, since the manifest holds the
+    /// hash of every pair. Where no way is stated it is the hash of the file.
     ///
     /// # Errors
     /// If it cannot be read.

@@ -28,11 +28,12 @@ pub struct Origin {
     pub data_version: u32,
     /// Name and version of that program.
     pub program: String,
-    /// BLAKE3 hash of the recipe's contents and of its files' contents, in hexadecimal. Comments, order of keys
-    /// and the recipe's place do not matter.
+    /// BLAKE3 hash of the recipe's contents and of its files' contents, in hexadecimal. Comments, order of
+    /// keys and the recipe's place do not matter.
     pub recipe_hash: String,
-    /// Of a recipe that names files: what these are relative to, itself relative to the data's folder where it can be. Left out
-    /// of data that were made for another place; it is no part of what tells data from others.
+    /// Of a recipe that names files: what these are relative to, itself relative to the data's folder where
+    /// it can be. Left out of data that were made for another place; it is no part of what tells data from
+    /// others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenes: Option<PathBuf>,
     /// BLAKE3 hashes, in hexadecimal, of the files and folders that the recipe's table `vary` names.
@@ -52,8 +53,8 @@ pub struct Origin {
 pub struct Out<'a> {
     /// The folder.
     pub folder: &'a Path,
-    /// Whether they stay there. Data that are made to be brought elsewhere do not say where scene files are: from there the
-    /// way to them is another one.
+    /// Whether they stay there. Data that are made to be brought elsewhere do not say where scene files are:
+    /// from there the way to them is another one.
     pub stays: bool,
 }
 
@@ -218,8 +219,8 @@ pub(crate) fn recipe_hash<'a>(
     Ok(blake3::hash(&json).to_hex().to_string())
 }
 
-/// The way to a folder from another, which may not be there yet; the whole path where there is no way, as from one
-/// drive to another.
+/// The way to a folder from another, which may not be there yet; the whole path where there is no way, as
+/// from one drive to another.
 pub(crate) fn relative(to: &Path, from: &Path) -> Result<PathBuf, DatasetError> {
     let whole = |path: &Path| {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };

@@ -165,15 +165,16 @@ fn view_name(scene: &str, view: usize) -> String {
     format!("{scene}-{view:03}")
 }
 
-/// Whether the item of that index is among those held apart, which lie evenly among all: at least one where the
-/// share is above 0 and there are two or more.
+/// Whether the item of that index is among those held apart, which lie evenly among all: at least one where
+/// the share is above 0 and there are two or more.
 fn held_apart(index: usize, count: usize, share: f64) -> bool {
     let rounded = (share * count as f64).round() as usize;
     let wanted = if share > 0.0 && count > 1 { rounded.max(1) } else { 0 };
     spread(index, count, wanted)
 }
 
-/// Whether the item of that index is among `wanted` of `count` that lie evenly among all, the last one always.
+/// Whether the item of that index is among `wanted` of `count` that lie evenly among all, the last one
+/// always.
 pub(crate) const fn spread(index: usize, count: usize, wanted: usize) -> bool {
     lists::is_in_spread(count - 1 - index, count, wanted)
 }

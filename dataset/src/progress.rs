@@ -1,5 +1,5 @@
-//! Progress on stderr, with the time left: a bar where that is a terminal, else a plain line now and then. The one way in
-//! which the project shows it.
+//! Progress on stderr, with the time left: a bar where that is a terminal, else a plain line now and then.
+//! The one way in which the project shows it.
 
 mod gauge;
 
@@ -16,8 +16,8 @@ const LINE_EVERY: Duration = Duration::from_secs(30);
 const BAR: &str = "{prefix} {bar:40} {pos}/{len}, {per_sec}, {left} left {msg}";
 const LINE: &str = "{prefix} {pos}/{len}, {left} left {msg}";
 
-/// A bar over `total` of something, of which `done` are done already, or lines that say the same. A bar's message is shown
-/// at the end.
+/// A bar over `total` of something, of which `done` are done already, or lines that say the same. A bar's
+/// message is shown at the end.
 pub fn bar(what: &'static str, total: usize, done: usize) -> ProgressBar {
     bar_of(what, total, done, false)
 }
@@ -64,8 +64,8 @@ fn styled(
     bar
 }
 
-/// How long the rest takes if it goes on as it went on the whole. What indicatif says of itself is by how long the last
-/// pieces took, and grows without bound while a piece takes longer than those before.
+/// How long the rest takes if it goes on as it went on the whole. What indicatif says of itself is by how
+/// long the last pieces took, and grows without bound while a piece takes longer than those before.
 fn left(elapsed: Duration, made: u64, rest: u64) -> Duration {
     elapsed.mul_f64(rest as f64 / made as f64)
 }

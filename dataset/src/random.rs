@@ -1,4 +1,5 @@
-//! Counter-based random numbers: a value is a hash of what it is for, so that nothing depends on order or threads.
+//! Counter-based random numbers: a value is a hash of what it is for, so that nothing depends on order or
+//! threads.
 
 use deepshade_shaders::split_mix::{STEP, finalised};
 

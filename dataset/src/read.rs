@@ -30,8 +30,8 @@ impl Dataset {
     /// Opens the dataset of a folder. Pairs are not checked: [`crate::verify()`] does.
     ///
     /// # Errors
-    /// If the manifest is missing, as it is while the dataset is unfinished, damaged, of another version of the data, or
-    /// states values beyond a recipe's limits.
+    /// If the manifest is missing, as it is while the dataset is unfinished, damaged, of another version of
+    /// the data, or states values beyond a recipe's limits.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         Ok(Self { folder: folder.to_owned(), manifest: Manifest::load(folder)? })
     }

@@ -1,10 +1,10 @@
 //! Recipes: TOML files that say what data to make.
 //!
-//! A recipe is for training or for testing. A family is one or the other by itself; a scene file is what the recipe
-//! that lists it is. A training recipe with scene files therefore names the recipes for testing that it must stay
-//! away from (`test_recipes`), and is refused where one of its scenes appears there, under another name or in another
-//! format ([`crate::identity`]). Rotated, mirrored or extended copies of a scene are not recognised: who makes such
-//! answers for them.
+//! A recipe is for training or for testing. A family is one or the other by itself; a scene file is what the
+//! recipe that lists it is. A training recipe with scene files therefore names the recipes for testing that
+//! it must stay away from (`test_recipes`), and is refused where one of its scenes appears there, under
+//! another name or in another format ([`crate::identity`]). Rotated, mirrored or extended copies of a scene
+//! are not recognised: who makes such answers for them.
 
 mod check;
 pub mod drawn;
@@ -22,8 +22,8 @@ use std::path::{Path, PathBuf};
 pub struct Recipe {
     /// What is to be learned.
     pub effect: Effect,
-    /// What targets are: a method's images, by its name; truth without it, and `samples` mean nothing with it. See
-    /// [`crate::target`].
+    /// What targets are: a method's images, by its name; truth without it, and `samples` mean nothing with
+    /// it. See [`crate::target`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
     /// What the data are for.
@@ -38,8 +38,9 @@ pub struct Recipe {
     pub smallest: Option<Resolution>,
     /// Samples of a pixel; with `error` the most.
     pub samples: u32,
-    /// Of pairs: independent sequences that a target's samples are split over. With several of them targets come with the
-    /// variance of their noise, which losses by structural similarity take off; one, the default, has a little less noise.
+    /// Of pairs: independent sequences that a target's samples are split over. With several of them targets
+    /// come with the variance of their noise, which losses by structural similarity take off; one, the
+    /// default, has a little less noise.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     pub scramblings: u32,
     /// Of pairs: noise below which a target takes no more samples, as a share of its values; see
@@ -59,8 +60,9 @@ pub struct Recipe {
     /// Vertical field of view, degrees. Without it 50.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field_of_view: Option<FieldOfView>,
-    /// Views that follow each other, as the camera goes on a little, for networks that know what they made of the frame
-    /// before: as many of `views_per_scene` as there are frames belong together. With `vary.timeline` time goes on, too.
+    /// Views that follow each other, as the camera goes on a little, for networks that know what they made of
+    /// the frame before: as many of `views_per_scene` as there are frames belong together. With
+    /// `vary.timeline` time goes on, too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<Sequence>,
     /// Share of the scenes, or of the views where there is one scene only, that is held apart for validation.
@@ -72,8 +74,9 @@ pub struct Recipe {
     /// Scene files, relative to the recipe's folder.
     #[serde(default)]
     pub files: Vec<PathBuf>,
-    /// Captures of a real camera, [`crate::capture`], in place of scenes, relative to the recipe's folder: of each
-    /// `views_per_scene` frames, evenly spread, of which colours are targets as they are, and `samples` mean nothing.
+    /// Captures of a real camera, [`crate::capture`], in place of scenes, relative to the recipe's folder: of
+    /// each `views_per_scene` frames, evenly spread, of which colours are targets as they are, and `samples`
+    /// mean nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub captures: Vec<PathBuf>,
     /// Recipes for testing whose scene files must not be in `files`, relative to the recipe's folder.
@@ -88,7 +91,8 @@ pub struct Recipe {
     /// Where the recipe was read from; empty in data that were made from it.
     #[serde(skip)]
     pub path: PathBuf,
-    /// What `files`, and those of `vary`, are relative to: the recipe's folder, or where data made from it say that the files are.
+    /// What `files`, and those of `vary`, are relative to: the recipe's folder, or where data made from it
+    /// say that the files are.
     #[serde(skip)]
     pub folder: PathBuf,
 }
@@ -225,8 +229,8 @@ impl Recipe {
         Ok(recipe)
     }
 
-    /// [`Recipe::load`] with scene files, those of `test_recipes` too, that are not relative to the recipe that names
-    /// them but to `scenes`.
+    /// [`Recipe::load`] with scene files, those of `test_recipes` too, that are not relative to the recipe
+    /// that names them but to `scenes`.
     ///
     /// # Errors
     /// As [`Recipe::load`].

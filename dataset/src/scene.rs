@@ -7,8 +7,8 @@ use deepshade_render::scene::{Scene, SceneError, SceneSource};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// What data are of: a scene, as [`SceneSource`] is written, or `capture:folder`. That is how it is read, displayed and
-/// stored.
+/// What data are of: a scene, as [`SceneSource`] is written, or `capture:folder`. That is how it is read,
+/// displayed and stored.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum SceneOrCapture {
@@ -53,8 +53,8 @@ impl std::fmt::Display for SceneOrCapture {
 pub struct SceneRecord {
     /// Where it comes from; a file or folder is named as in the recipe, relative to the recipe's folder.
     pub source: SceneOrCapture,
-    /// Of a file, [`scene_hash`] of what was in it; of a capture, [`Capture::hash`](crate::Capture::hash) of its frames
-    /// that data are of.
+    /// Of a file, [`scene_hash`] of what was in it; of a capture, [`Capture::hash`](crate::Capture::hash) of
+    /// its frames that data are of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blake3: Option<String>,
 }

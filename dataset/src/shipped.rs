@@ -55,7 +55,8 @@ fn all(split: Split) -> Vec<Recipe> {
     recipes
 }
 
-/// A recipe whose scene files are there: in the folder that `DEEPSHADE_DATA` names, else beside the workspace.
+/// A recipe whose scene files are there: in the folder that `DEEPSHADE_DATA` names, else beside the
+/// workspace.
 fn with_files(recipe: Recipe) -> Option<Recipe> {
     if recipe.files.is_empty() {
         return Some(recipe);

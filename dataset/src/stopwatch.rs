@@ -3,9 +3,9 @@
 use deepshade_render::path::{Refinement, Shot};
 use deepshade_shaders::Effect;
 
-/// What preparing an image's truth takes, and then `samples` of each of its pixels (x, y) that are wanted, as `measure`
-/// has it of work that it does, once or more often. Only the latter grows with samples and pixels: subsurface scattering
-/// in screen space, for one, gathers the whole image before the first sample.
+/// What preparing an image's truth takes, and then `samples` of each of its pixels (x, y) that are wanted, as
+/// `measure` has it of work that it does, once or more often. Only the latter grows with samples and pixels:
+/// subsurface scattering in screen space, for one, gathers the whole image before the first sample.
 pub fn prepared_and_sampled<T>(
     effect: Effect,
     shot: &Shot<'_>,

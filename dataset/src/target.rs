@@ -1,5 +1,5 @@
-//! What pairs and test frames aim at: truth, or what a method makes of the frame, as the paper's set for indirect light
-//! was made (thesis 7.4).
+//! What pairs and test frames aim at: truth, or what a method makes of the frame, as the paper's set for
+//! indirect light was made (thesis 7.4).
 
 use crate::{DatasetError, Recipe};
 use deepshade_render::method::{Frame, Method, Repeats};

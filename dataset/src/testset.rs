@@ -1,21 +1,21 @@
 //! Test sets: frames of scenes that no network was trained on, with truth that is nearly free of noise.
 //!
-//! Truth with thousands of samples is dear, and structural similarity is a mean over tiles of 8x8 pixels; so it is
-//! rendered for a seeded share of the tiles only, which leaves the mean unbiased.
+//! Truth with thousands of samples is dear, and structural similarity is a mean over tiles of 8x8 pixels; so
+//! it is rendered for a seeded share of the tiles only, which leaves the mean unbiased.
 //!
 //! # Files
-//! - `testset.json`: the recipe, and for each frame its scene, camera, radius, seed and files. The g-buffer is not
-//!   kept: it is rendered again from these, in the recipe's resolution, where it is needed.
+//! - `testset.json`: the recipe, and for each frame its scene, camera, radius, seed and files. The g-buffer
+//!   is not kept: it is rendered again from these, in the recipe's resolution, where it is needed.
 //! - `tiles/<frame>.exr`: the truth of the frame's tiles as a strip, `[channels, 8, 8 * tiles]`, in the layer
-//!   `truth.<effect>`. Which tiles these are is not stored: [`tile_indices`] gives them, row by row, from the frame's
-//!   seed. Half floats round values up to 1 by 1/4096 at most, which changes the similarity of tiles by less than 1e-4. Some
-//!   45 kB a frame of 512 x 512 pixels with one tile in eight.
-//! - `whole/<frame>.exr`: of a few frames the whole image in the layer `truth.<effect>`, with the recipe's `samples`
-//!   a pixel, for metrics that need neighbours.
+//!   `truth.<effect>`. Which tiles these are is not stored: [`tile_indices`] gives them, row by row, from the
+//!   frame's seed. Half floats round values up to 1 by 1/4096 at most, which changes the similarity of tiles
+//!   by less than 1e-4. Some 45 kB a frame of 512 x 512 pixels with one tile in eight.
+//! - `whole/<frame>.exr`: of a few frames the whole image in the layer `truth.<effect>`, with the recipe's
+//!   `samples` a pixel, for metrics that need neighbours.
 //!
 //! # Noise
-//! Truth is the mean of eight independent scramblings. [`Ceiling`] says how much they vary and how far those of one half
-//! agree with those of the other: a perfect image scores no less against their mean.
+//! Truth is the mean of eight independent scramblings. [`Ceiling`] says how much they vary and how far those
+//! of one half agree with those of the other: a perfect image scores no less against their mean.
 
 mod estimate;
 mod make;
@@ -70,7 +70,8 @@ pub struct FrameRecord {
     /// What the frame was given beside what its scene brings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub variation: Option<Variation>,
-    /// What images are multiplied by before they are compared, see [`exposure`](deepshade_render::metrics::exposure()).
+    /// What images are multiplied by before they are compared, see
+    /// [`exposure`](deepshade_render::metrics::exposure()).
     pub exposure: f32,
     /// How sure truth is.
     pub ceiling: Ceiling,
@@ -94,7 +95,8 @@ pub struct HashedFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ceiling {
-    /// Structural similarity of two independent images, each of half the samples of truth; mean over tiles and channels.
+    /// Structural similarity of two independent images, each of half the samples of truth; mean over tiles
+    /// and channels.
     pub ssim: f64,
     /// Mean over pixels and channels of truth's variance, in truth's unit squared.
     pub variance: f64,
@@ -157,8 +159,8 @@ impl TestSet {
     /// Opens a test set.
     ///
     /// # Errors
-    /// If its list is missing, as it is while the set is unfinished, damaged, of another version of the data, or states
-    /// values beyond a recipe's limits.
+    /// If its list is missing, as it is while the set is unfinished, damaged, of another version of the data,
+    /// or states values beyond a recipe's limits.
     pub fn open(folder: &Path) -> Result<Self, DatasetError> {
         Ok(Self { folder: folder.to_owned(), list: List::load(folder)? })
     }

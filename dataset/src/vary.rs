@@ -1,9 +1,9 @@
-//! The table `vary` of a recipe: what images are given beside what their scenes bring, so that a network sees every
-//! material, light and lens that it may meet ("all per-object attributes which are later allowed to vary at run-time
-//! are sampled randomly for each training sample", thesis 7.3.1).
+//! The table `vary` of a recipe: what images are given beside what their scenes bring, so that a network sees
+//! every material, light and lens that it may meet ("all per-object attributes which are later allowed to
+//! vary at run-time are sampled randomly for each training sample", thesis 7.3.1).
 //!
-//! What an image gets is drawn by its seed ([`Variation`]) and noted in the manifest, so that its frame can be made
-//! again.
+//! What an image gets is drawn by its seed ([`Variation`]) and noted in the manifest, so that its frame can
+//! be made again.
 
 mod check;
 mod draw;
@@ -32,40 +32,44 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Vary {
-    /// Diffuse colour, specular colour and glossiness of every object are drawn for every image; they reflect by the
-    /// Phong model.
+    /// Diffuse colour, specular colour and glossiness of every object are drawn for every image; they reflect
+    /// by the Phong model.
     pub materials: bool,
-    /// Every opaque object gets a texture drawn for every image; objects without texture coordinates are box-mapped.
+    /// Every opaque object gets a texture drawn for every image; objects without texture coordinates are
+    /// box-mapped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub textures: Option<Textures>,
-    /// One point light for every image, in place of the scene's own lights, at a place drawn uniformly of those from which it
-    /// lights at least a tenth of what is seen. A scene in which nothing shines that the effect shows gets one in any case.
+    /// One point light for every image, in place of the scene's own lights, at a place drawn uniformly of
+    /// those from which it lights at least a tenth of what is seen. A scene in which nothing shines that the
+    /// effect shows gets one in any case.
     pub light: bool,
     /// One environment for all images: networks learn it by heart (thesis 7.4).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<Surroundings>,
-    /// A lens that focuses the depth of a random pixel; the range is that of the radius, in pixels, of the circle of
-    /// confusion of what is infinitely far away.
+    /// A lens that focuses the depth of a random pixel; the range is that of the radius, in pixels, of the
+    /// circle of confusion of what is infinitely far away.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lens: Option<[f32; 2]>,
-    /// Three objects in four move parallel to the image plane; the range is that of how far their nearest visible point
-    /// moves while the shutter is open, in pixels. What is animated in a scene file moves as it does there, at a random time. In a
-    /// timeline it is how far it moves from frame to frame, and what is animated goes on from its beginning.
+    /// Three objects in four move parallel to the image plane; the range is that of how far their nearest
+    /// visible point moves while the shutter is open, in pixels. What is animated in a scene file moves as it
+    /// does there, at a random time. In a timeline it is how far it moves from frame to frame, and what is
+    /// animated goes on from its beginning.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<[f32; 2]>,
-    /// Mean free path below every object's surface, of the colour in which it is longest, as a share of the scene's
-    /// diagonal.
+    /// Mean free path below every object's surface, of the colour in which it is longest, as a share of the
+    /// scene's diagonal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_free_path: Option<[f32; 2]>,
     /// A medium between the surfaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fog: Option<FogRange>,
-    /// What the frames of a `sequence` have in common, of effects of light that surfaces keep: one look, one lamp, and movements that go
-    /// on, while lamps go on and off. Direct light is that of lamps that shine; how things move is one more attribute of pairs.
+    /// What the frames of a `sequence` have in common, of effects of light that surfaces keep: one look, one
+    /// lamp, and movements that go on, while lamps go on and off. Direct light is that of lamps that shine;
+    /// how things move is one more attribute of pairs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timeline: Option<Timeline>,
-    /// The camera of a capture: surfaces are what it measures of them, and targets of training its photographs. Truth of
-    /// test sets has no noise.
+    /// The camera of a capture: surfaces are what it measures of them, and targets of training its
+    /// photographs. Truth of test sets has no noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<Sensor>,
 }

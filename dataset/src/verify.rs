@@ -61,7 +61,8 @@ pub fn verify(folder: &Path) -> Result<Report, DatasetError> {
     Ok(Report { pairs: dataset.len(), faults })
 }
 
-/// Faults of the manifest itself: a changed recipe, pairs listed twice or too few of them, files that it does not list.
+/// Faults of the manifest itself: a changed recipe, pairs listed twice or too few of them, files that it does
+/// not list.
 fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     let manifest = dataset.manifest();
     let fault = |what: String| (MANIFEST.to_owned(), what);
@@ -91,7 +92,8 @@ fn manifest_faults(dataset: &Dataset) -> Vec<(String, String)> {
     faults
 }
 
-/// The hash of the recipe with the scene files and captures that the pairs say they are of, and the other files as stated.
+/// The hash of the recipe with the scene files and captures that the pairs say they are of, and the other
+/// files as stated.
 fn stated_recipe_hash(manifest: &Manifest) -> Option<String> {
     let recipe = &manifest.origin.recipe;
     let stated = |source: SceneOrCapture| {

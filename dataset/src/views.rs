@@ -1,11 +1,11 @@
 //! Sampling views: positions in a box fitted to the scene, none inside geometry or looking at nothing.
 //!
-//! The box holds the middles of all triangles but for the outermost hundredth on each side, so that a ground plane or
-//! a sky does not drown what stands on it; it is widened by a tenth, and more where it is flat. A position is uniform
-//! in it, and the camera looks from there at another such point, with 50 degrees of view (thesis 7.3.1). A view is
-//! taken if
-//! - a ball of probe rays around the camera finds no more than half of its directions ending on a triangle's back:
-//!   inside a closed object all of them do, and below a terrain half;
+//! The box holds the middles of all triangles but for the outermost hundredth on each side, so that a ground
+//! plane or a sky does not drown what stands on it; it is widened by a tenth, and more where it is flat. A
+//! position is uniform in it, and the camera looks from there at another such point, with 50 degrees of view
+//! (thesis 7.3.1). A view is taken if
+//! - a ball of probe rays around the camera finds no more than half of its directions ending on a triangle's
+//!   back: inside a closed object all of them do, and below a terrain half;
 //! - of a grid of probe rays through the image, at least [`LEAST_SEEN`] meet a surface, and of these
 //! - no more than [`MOST_BACKS`] meet a back (leaves and cloth have backs on show, walls have not),
 //! - no more than one in twenty is nearer than [`NEAREST`] of the box's diagonal,
@@ -28,7 +28,8 @@ use glam::{Vec2, Vec3};
 
 /// Views that are tried before a scene is given up.
 const ATTEMPTS: u32 = 2048;
-/// Edges of the box are at least this share of the diagonal; upwards, since a flat scene lies below its viewer.
+/// Edges of the box are at least this share of the diagonal; upwards, since a flat scene lies below its
+/// viewer.
 const LEAST_EDGE: f32 = 0.3;
 /// Directions of the ball.
 const BALL: usize = 96;
@@ -40,8 +41,8 @@ pub const LEAST_SEEN: f32 = 0.6;
 pub const MOST_BACKS: f32 = 0.35;
 /// Distance, as a share of the diagonal, below which surfaces are too near.
 pub const NEAREST: f32 = 0.005;
-/// Backs around a camera count as the inside of a wall up to this distance, as a share of the scene's diagonal: thicker
-/// walls are rare, and so are rooms that are lower.
+/// Backs around a camera count as the inside of a wall up to this distance, as a share of the scene's
+/// diagonal: thicker walls are rare, and so are rooms that are lower.
 const WALL: f32 = 0.1;
 /// Smallest median distance as a share of the diagonal.
 pub const LEAST_MEDIAN: f32 = 0.02;
@@ -102,7 +103,8 @@ pub fn recipe_view(
     }
 }
 
-/// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and `view`.
+/// The view of an index of a scene, for an image of this size. The same for the same `seed`, `scene_key` and
+/// `view`.
 ///
 /// # Errors
 /// If none of many sampled views is fit.
@@ -209,7 +211,8 @@ fn refusal(
     (share_on_two_planes(&seen, limits.plane * diagonal) > MOST_ON_TWO_PLANES).then_some(5)
 }
 
-/// Share of the probes that lie on the two planes with the most of them, up to a tolerance of the planes' offset.
+/// Share of the probes that lie on the two planes with the most of them, up to a tolerance of the planes'
+/// offset.
 fn share_on_two_planes(probes: &[Probe], tolerance: f32) -> f32 {
     let same =
         |a: &Probe, b: &Probe| a.normal.dot(b.normal) > 0.999 && (a.offset - b.offset).abs() < tolerance;
@@ -243,9 +246,9 @@ impl Probe {
     }
 }
 
-/// Whether a camera at `position`, which somebody else chose, is stuck inside of something: most directions end on
-/// the back of a triangle nearer than [`WALL`]. A room that was modelled with its triangles facing outwards shows
-/// backs too, but far away.
+/// Whether a camera at `position`, which somebody else chose, is stuck inside of something: most directions
+/// end on the back of a triangle nearer than [`WALL`]. A room that was modelled with its triangles facing
+/// outwards shows backs too, but far away.
 pub fn inside_geometry(scene: &TracedScene, position: Vec3) -> bool {
     let near = WALL * scene.diagonal();
     let stuck = ball(scene, position).filter(|probe| probe.back && probe.distance < near);
@@ -303,8 +306,8 @@ pub(crate) fn seen_points(
     grid(camera, width as f32 / height as f32).filter_map(met).collect()
 }
 
-/// Whether a place is neither inside of geometry nor nearer to it than `clearance`, as far as rays in all directions
-/// tell.
+/// Whether a place is neither inside of geometry nor nearer to it than `clearance`, as far as rays in all
+/// directions tell.
 pub(crate) fn is_open(scene: &TracedScene, place: Vec3, clearance: f32) -> bool {
     let (mut backs, mut nearest) = (0, f32::INFINITY);
     for probe in ball(scene, place) {

@@ -1,8 +1,8 @@
-//! What deepshade reads and others may have written, each as a function of bytes. libFuzzer changes the bytes (`cargo xtask
-//! fuzz`), and so does a test (`tests/untrusted.rs`), which knows nothing of libFuzzer.
+//! What deepshade reads and others may have written, each as a function of bytes. libFuzzer changes the bytes
+//! (`cargo xtask fuzz`), and so does a test (`tests/untrusted.rs`), which knows nothing of libFuzzer.
 //!
-//! Readers must give a value or an error: a panic, a giant allocation or a long wait is a fault. What is read is looked at as
-//! its users do.
+//! Readers must give a value or an error: a panic, a giant allocation or a long wait is a fault. What is read
+//! is looked at as its users do.
 
 use deepshade_dataset::{Capture, Recipe};
 use deepshade_glow::file::MaterialFile;
@@ -19,10 +19,12 @@ use std::path::Path;
 /// Stands between the files of an input.
 pub const SEPARATOR: &[u8] = b"\n----\n";
 
-/// Most bytes that reading a file of some kilobytes may take. What asks for more ends the process, which is a finding.
+/// Most bytes that reading a file of some kilobytes may take. What asks for more ends the process, which is a
+/// finding.
 pub const MOST_BYTES: usize = 1 << 30;
 
-/// Hierarchies are built over scenes of at most so many triangles: more would take the time of thousands of inputs.
+/// Hierarchies are built over scenes of at most so many triangles: more would take the time of thousands of
+/// inputs.
 const FEW_TRIANGLES: usize = 64;
 
 /// Something that is read.

@@ -1,5 +1,5 @@
-//! Networks inside a renderer: the g-buffer stays in the renderer's textures, images go into others, all on the
-//! renderer's own device, in the renderer's own encoder, without a way to main memory and back.
+//! Networks inside a renderer: the g-buffer stays in the renderer's textures, images go into others, all on
+//! the renderer's own device, in the renderer's own encoder, without a way to main memory and back.
 //!
 //! `cargo run --release -p deepshade-infer --example embed -- models/ao models/ao`
 
@@ -21,14 +21,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("which networks? name their folders, such as models/ao".into());
     }
 
-    // A renderer has a device and a queue of its own. Of its features SHADER_F16 halves the memory of feature maps, and
-    // PIPELINE_CACHE makes later starts faster; deepshade runs without either.
+    // A renderer has a device and a queue of its own. Of its features SHADER_F16 halves the memory of feature
+    // maps, and PIPELINE_CACHE makes later starts faster; deepshade runs without either.
     let gpu = Gpu::new()?;
     let Gpu { device, queue, .. } = &gpu;
     let half = device.features().contains(wgpu::Features::SHADER_F16);
 
-    // What was found out about this device before: compiled kernels, and which are the fastest. The driver trusts what
-    // the cache holds, so it is in a folder that is the user's own.
+    // What was found out about this device before: compiled kernels, and which are the fastest. The driver
+    // trusts what the cache holds, so it is in a folder that is the user's own.
     let cache_folder = etcetera::choose_base_strategy()?.cache_dir().join("deepshade-embed");
     let (cache, cache_note) = PipelineCache::open(device, &cache_folder.join("pipelines"));
     let (mut tuning, tuning_note) = Tuning::load(device, &cache_folder.join("tuning.json"));
@@ -45,8 +45,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             cache: Some(&cache),
             ..Options::default()
         };
-        // In 32-bit floats where no kernel in half floats works, and an error where none does at all: then there is the CPU
-        // (`cpu::Network`).
+        // In 32-bit floats where no kernel in half floats works, and an error where none does at all: then
+        // there is the CPU (`cpu::Network`).
         let (network, notes) = tuning.network(&gpu, &model, &options, size)?;
         notes.iter().for_each(|note| eprintln!("{note}"));
 
@@ -54,8 +54,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let plan = network.plan(size[0], size[1])?;
         println!("{folder}: feature maps take {} bytes", plan.bytes().activations);
 
-        // Once for these textures: one of the g-buffer for each of the network's inputs, in its order, and the image.
-        // Lengths are scaled by how far the effect is to reach here, in metres; this network reads no light.
+        // Once for these textures: one of the g-buffer for each of the network's inputs, in its order, and
+        // the image. Lengths are scaled by how far the effect is to reach here, in metres; this network reads
+        // no light.
         let inputs = model.spec.inputs.iter();
         let gbuffer: Vec<TextureView> = inputs.map(|input| filled(&gpu, &format!("{input:?}"))).collect();
         let image = texture(&gpu, "image", TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC);
@@ -66,8 +67,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     cache.save()?;
     tuning.save(&cache_folder.join("tuning.json"))?;
 
-    // Every frame: render the g-buffer, record the networks, use the images. Nothing is allocated here, not even where
-    // another frame's light is exposed otherwise (`Recording::set_scaling`).
+    // Every frame: render the g-buffer, record the networks, use the images. Nothing is allocated here, not
+    // even where another frame's light is exposed otherwise (`Recording::set_scaling`).
     for _frame in 0..3 {
         let mut encoder = device.create_command_encoder(&Default::default());
         recordings.iter().for_each(|recording| recording.encode(&mut encoder));

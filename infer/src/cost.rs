@@ -7,11 +7,11 @@ use crate::{Filter, Head, Layer, NetSpec, Source};
 pub struct Cost {
     /// Multiplications with additions; two floating-point operations each.
     pub multiply_adds: u64,
-    /// Numbers of feature maps that it reads or writes at least once: what the layers that it reads have made, what it
-    /// makes, pooled where the next level reads it so.
+    /// Numbers of feature maps that it reads or writes at least once: what the layers that it reads have
+    /// made, what it makes, pooled where the next level reads it so.
     pub maps: u64,
-    /// Other such numbers: the network's input, its image, weights, and what a filter works on. 32-bit floats where the
-    /// network runs in WGSL, however it keeps its maps.
+    /// Other such numbers: the network's input, its image, weights, and what a filter works on. 32-bit floats
+    /// where the network runs in WGSL, however it keeps its maps.
     pub others: u64,
 }
 
@@ -76,8 +76,8 @@ impl NetSpec {
         costs
     }
 
-    /// A tap is a weighted sum of the light, and on coarser levels of four pixels between which the light is read, as GPUs do it;
-    /// the processor reads between them once for all taps of a row.
+    /// A tap is a weighted sum of the light, and on coarser levels of four pixels between which the light is
+    /// read, as GPUs do it; the processor reads between them once for all taps of a row.
     fn filter_cost(&self, filter: Filter, pixels: usize) -> Cost {
         let on_a_level = filter.kernel * filter.kernel;
         let multiply_adds = on_a_level + 5 * on_a_level * filter.levels.saturating_sub(1);

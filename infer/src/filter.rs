@@ -1,16 +1,19 @@
-//! A last layer that predicts kernels: the last convolution makes weights, and the image is the sum that they weight of the
-//! light that the network reads (Bako et al. 2017, "Kernel-predicting convolutional networks for denoising Monte Carlo
-//! renderings"; over several resolutions after Vogels et al. 2018, "Denoising with kernel prediction and asymmetric loss
-//! functions").
+//! A last layer that predicts kernels: the last convolution makes weights, and the image is the sum that they
+//! weight of the light that the network reads (Bako et al. 2017, "Kernel-predicting convolutional networks
+//! for denoising Monte Carlo renderings"; over several resolutions after Vogels et al. 2018, "Denoising with
+//! kernel prediction and asymmetric loss functions").
 //!
 //! What every form of a network computes, for an image of any size:
 //!
-//! - Level 0 of the pyramid is the light, continued at bottom and right by its last row and column up to a multiple of
-//!   [`NetSpec::alignment`], as the convolutions read it. Level l has the means of 2x2 pixels of level l - 1.
-//! - A level is read bilinearly between the centres of its pixels, and beyond its edge as at the edge. Pixel x of the image
-//!   lies at `(x + 0.5) / 2^l - 0.5` of level l, and the taps of a kernel are one pixel of the level apart.
-//! - A pixel's weights are the softmax of what the last convolution makes there: level by level, each level's kernel row by
-//!   row, and where [`Filter::black`] says so one more, of black. All colour channels that a run makes have the same weights.
+//! - Level 0 of the pyramid is the light, continued at bottom and right by its last row and column up to a
+//!   multiple of [`NetSpec::alignment`], as the convolutions read it. Level l has the means of 2x2 pixels of
+//!   level l - 1.
+//! - A level is read bilinearly between the centres of its pixels, and beyond its edge as at the edge. Pixel
+//!   x of the image lies at `(x + 0.5) / 2^l - 0.5` of level l, and the taps of a kernel are one pixel of the
+//!   level apart.
+//! - A pixel's weights are the softmax of what the last convolution makes there: level by level, each level's
+//!   kernel row by row, and where [`Filter::black`] says so one more, of black. All colour channels that a
+//!   run makes have the same weights.
 
 use crate::{Colour, Head, NetSpec};
 use serde::{Deserialize, Serialize};
@@ -57,9 +60,9 @@ impl Filter {
 }
 
 impl NetSpec {
-    /// The same network with a last layer that predicts kernels: of 3x3 pixels on every level, or of 5x5 where there is one
-    /// level only; with black where the effect hides light; for all colours at once, or where the effect parts colours for one
-    /// of them a run. None where the network reads no light.
+    /// The same network with a last layer that predicts kernels: of 3x3 pixels on every level, or of 5x5
+    /// where there is one level only; with black where the effect hides light; for all colours at once, or
+    /// where the effect parts colours for one of them a run. None where the network reads no light.
     pub fn predicting_kernels(&self) -> Option<Self> {
         let levels = self.levels();
         let kernel = if levels == 1 { 5 } else { 3 };

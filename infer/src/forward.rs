@@ -1,20 +1,20 @@
 //! The forward pass in WGSL, on the caller's device.
 //!
-//! Every layer is one pass: what comes before the convolution (padding, doubling, concatenation) happens as it reads,
-//! what comes after (bias, leaky ReLU, pooling) before it writes. There are two sets of kernels:
+//! Every layer is one pass: what comes before the convolution (padding, doubling, concatenation) happens as
+//! it reads, what comes after (bias, leaky ReLU, pooling) before it writes. There are two sets of kernels:
 //!
-//! - for GPUs (`shaders/wgsl/convolution`): feature maps in regions of a storage buffer that are used again as soon as a
-//!   map is not needed any more, a tile of what a workgroup reads in its own memory, 16 to 64 sums an invocation, feature
-//!   maps in half floats if wanted;
-//! - for software adapters (`shaders/wgsl/net`): feature maps in texture arrays, weights in uniform buffers, which
-//!   lavapipe reads many times as fast as storage buffers.
+//! - for GPUs (`shaders/wgsl/convolution`): feature maps in regions of a storage buffer that are used again
+//!   as soon as a map is not needed any more, a tile of what a workgroup reads in its own memory, 16 to 64
+//!   sums an invocation, feature maps in half floats if wanted;
+//! - for software adapters (`shaders/wgsl/net`): feature maps in texture arrays, weights in uniform buffers,
+//!   which lavapipe reads many times as fast as storage buffers.
 //!
 //! Where what the last block makes is not the image, further passes make it of that ([`crate::Head`]), for
 //! both sets.
 //!
-//! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes it by
-//! measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size, [`Recording`] what
-//! depends on the caller's buffers or textures; recording that again makes nothing anew.
+//! [`Variant`] is the choice between them and between the shapes of the first set's kernels; [`Tuning`] makes
+//! it by measuring. [`Network`] is what depends on the device, [`Plan`] what depends on the image's size,
+//! [`Recording`] what depends on the caller's buffers or textures; recording that again makes nothing anew.
 //!
 //! Where a g-buffer lies in buffers, [`InputPasses`] make the network's input of them, and [`ImagePass`] the
 //! effect's image of what the network made, so that all of it goes into one command encoder.
@@ -64,10 +64,11 @@ use deepshade_shaders::gpu::GpuError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// How far an image that was made with feature maps in half floats may be off. A half float has 11 bits, so that a map's
-/// elements are off by at most 2^-12 of themselves, 2.4e-4. Every layer passes its inputs' errors on, which have either sign,
-/// and adds its own: ten times that of the largest element. Of noise at 768x512 the shipped `do` comes to half of it, and
-/// `dof`, whose last layer predicts kernels, the exponents of which errors go into, to 0.84.
+/// How far an image that was made with feature maps in half floats may be off. A half float has 11 bits, so
+/// that a map's elements are off by at most 2^-12 of themselves, 2.4e-4. Every layer passes its inputs'
+/// errors on, which have either sign, and adds its own: ten times that of the largest element. Of noise at
+/// 768x512 the shipped `do` comes to half of it, and `dof`, whose last layer predicts kernels, the exponents
+/// of which errors go into, to 0.84.
 pub const HALF_TOLERANCE: Tolerance = Tolerance { of_rms: 0.0, of_largest: 2.5e-3 };
 
 /// Why a network does not run on a device.
@@ -152,7 +153,8 @@ pub enum ForwardError {
         /// The shape.
         shape: Shape,
     },
-    /// Measuring found no kernel of a layer that works: [`Tuning::variant`]. Another [`Precision`] may, and the CPU does.
+    /// Measuring found no kernel of a layer that works: [`Tuning::variant`]. Another [`Precision`] may, and
+    /// the CPU does.
     #[error("no kernel of layer `{layer}` works in {precision:?} on {device}{}", remembered(file.as_deref()))]
     NoKernel {
         /// Name of the layer.

@@ -1,5 +1,5 @@
-//! From a g-buffer to what a network reads, and from what it makes to an effect's image: the one place where radius
-//! and background are dealt with, for training and for every way of running.
+//! From a g-buffer to what a network reads, and from what it makes to an effect's image: the one place where
+//! radius and background are dealt with, for training and for every way of running.
 //!
 //! A renderer that keeps its g-buffer on the GPU does the same there, before and after
 //! [`Plan::encode`](crate::Plan::encode): with [`InputPasses`](crate::forward::InputPasses) and
@@ -15,13 +15,15 @@ use deepshade_shaders::{
     Attribute, AttributeKind, Channel, Effect, GBuffer, MissingAttribute, Planes, exposure,
 };
 
-/// What a frame's lengths and its light are multiplied by, so that the frame is to the network like those that it was
-/// trained with (thesis 7.5.1, "Range of Values" and "Effect Radius").
+/// What a frame's lengths and its light are multiplied by, so that the frame is to the network like those
+/// that it was trained with (thesis 7.5.1, "Range of Values" and "Effect Radius").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
-    /// Factor of lengths in metres: [`Reach::position_scale`](crate::Reach::position_scale) of the wanted radius.
+    /// Factor of lengths in metres: [`Reach::position_scale`](crate::Reach::position_scale) of the wanted
+    /// radius.
     pub length: f32,
-    /// Factor of radiance; what the network makes is divided by it. 1 where it reads none: then its light is one it knows.
+    /// Factor of radiance; what the network makes is divided by it. 1 where it reads none: then its light is
+    /// one it knows.
     pub light: f32,
 }
 
@@ -35,8 +37,8 @@ impl NetSpec {
         with_made(gbuffer, &self.inputs, radius)
     }
 
-    /// What a frame of a g-buffer is multiplied by, for an effect that reaches `radius` metres: light such that 99 % of what
-    /// is not black is at most [`NetSpec::brightness`].
+    /// What a frame of a g-buffer is multiplied by, for an effect that reaches `radius` metres: light such
+    /// that 99 % of what is not black is at most [`NetSpec::brightness`].
     ///
     /// # Errors
     /// If the g-buffer lacks light that the network reads.
@@ -63,17 +65,18 @@ impl NetSpec {
         self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light)
     }
 
-    /// How bright light is to the network. Light of one bounce is some six times fainter than that which it comes from (the
-    /// median of the training frames of `gi.toml`), and weights that make so faint an image are harder to learn, as an
-    /// optimiser's steps are alike for all.
+    /// How bright light is to the network. Light of one bounce is some six times fainter than that which it
+    /// comes from (the median of the training frames of `gi.toml`), and weights that make so faint an image
+    /// are harder to learn, as an optimiser's steps are alike for all.
     pub fn brightness(&self) -> f32 {
         if self.effect == Effect::Gi { 8.0 } else { 1.0 }
     }
 
-    /// What one of the network's [runs](NetSpec::runs) reads of a g-buffer, `[input channels, height, width]`, so that
-    /// the frame looks to it like those that it was trained with: its numbers multiplied by [`Scaling`] and by the powers
-    /// of two of [`factor`](NetSpec::factor). Of colours a mono network reads the channel that the run makes. Where no
-    /// surface is seen every channel is 0, as in training, whatever the renderer has put there.
+    /// What one of the network's [runs](NetSpec::runs) reads of a g-buffer,
+    /// `[input channels, height, width]`, so that the frame looks to it like those that it was trained with:
+    /// its numbers multiplied by [`Scaling`] and by the powers of two of [`factor`](NetSpec::factor). Of
+    /// colours a mono network reads the channel that the run makes. Where no surface is seen every channel is
+    /// 0, as in training, whatever the renderer has put there.
     ///
     /// # Errors
     /// If the g-buffer lacks one of the network's inputs or `valid`.
@@ -90,8 +93,8 @@ impl NetSpec {
         Ok(Planes::from_data(self.input_channels(), all.height(), all.width(), data))
     }
 
-    /// What a channel is multiplied by: lengths and light by the frame's factors; pixels and mean free paths also by a
-    /// power of two, which makes their numbers about as large as the components of normals.
+    /// What a channel is multiplied by: lengths and light by the frame's factors; pixels and mean free paths
+    /// also by a power of two, which makes their numbers about as large as the components of normals.
     pub fn factor(channel: &Channel, scaling: Scaling) -> f32 {
         let Unit { scale, exponent } = channel_unit(channel);
         let factor = match scale {
@@ -108,8 +111,8 @@ impl NetSpec {
         !(self.colour == Colour::Mono && is_colour) || channel.component == run
     }
 
-    /// The effect's image, `[effect's channels, height, width]`, of what the runs made, in their order, in the light that
-    /// the frame had before it was scaled, within the [range](Effect::range) of the effect.
+    /// The effect's image, `[effect's channels, height, width]`, of what the runs made, in their order, in
+    /// the light that the frame had before it was scaled, within the [range](Effect::range) of the effect.
     ///
     /// # Panics
     /// If they are not as many as [`NetSpec::runs`], or of different sizes.

@@ -1,5 +1,5 @@
-//! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device and in vector
-//! instructions on the CPU, and a plain reference forward pass that the others are checked against.
+//! What a trained network does: its spec, its folder, its forward pass in WGSL on the caller's device and in
+//! vector instructions on the CPU, and a plain reference forward pass that the others are checked against.
 
 pub mod cost;
 pub mod cpu;

@@ -1,5 +1,5 @@
-//! A trained network on disk: a folder with `net.json` (the spec) and `weights.safetensors`, beside which the export
-//! puts `parity.safetensors`, `model.onnx` and `card.md`.
+//! A trained network on disk: a folder with `net.json` (the spec) and `weights.safetensors`, beside which the
+//! export puts `parity.safetensors`, `model.onnx` and `card.md`.
 
 pub(crate) mod file;
 
@@ -127,8 +127,8 @@ impl Model {
     /// Reads a model folder.
     ///
     /// # Errors
-    /// If a file is missing, truncated, absurdly large or does not fit the other, each with the file, and where it
-    /// applies the tensor and both shapes.
+    /// If a file is missing, truncated, absurdly large or does not fit the other, each with the file, and
+    /// where it applies the tensor and both shapes.
     pub fn load(folder: &Path) -> Result<Self, ModelError> {
         let path = folder.join(SPEC);
         let spec = spec_of(&path, &file::read(&path, file::MOST_SPEC_BYTES)?)?;
@@ -148,9 +148,9 @@ impl Model {
         Ok(Self { spec, weights })
     }
 
-    /// Writes the two files into a model folder, which is made where there is none. The spec of an older network there
-    /// goes first and the new one comes last: a folder without a spec does not load, so that one network's weights
-    /// never stand beside another's spec.
+    /// Writes the two files into a model folder, which is made where there is none. The spec of an older
+    /// network there goes first and the new one comes last: a folder without a spec does not load, so that
+    /// one network's weights never stand beside another's spec.
     ///
     /// # Errors
     /// If the network is not valid or a file cannot be written; no file is then half written.

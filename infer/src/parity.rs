@@ -24,8 +24,8 @@ impl Tolerance {
     }
 }
 
-/// What a layer made: its image after the activation, `[outputs, height, width]` of its level of the padded frame.
-/// The last layer's image is cropped to the size of the network's input.
+/// What a layer made: its image after the activation, `[outputs, height, width]` of its level of the padded
+/// frame. The last layer's image is cropped to the size of the network's input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Activation {
     /// Name of the layer.
@@ -37,7 +37,8 @@ pub struct Activation {
 /// How far an image is from a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Largest absolute difference of two elements; infinite where the shapes differ or a number is not finite.
+    /// Largest absolute difference of two elements; infinite where the shapes differ or a number is not
+    /// finite.
     pub max_abs: f32,
     /// Largest difference allowed: by [`TOLERANCE`] where nothing else is stated.
     pub tolerance: f32,
@@ -67,8 +68,8 @@ impl Comparison {
     }
 }
 
-/// The first layer whose image is not within the tolerance of the reference's, with how far it is off. Layers are
-/// matched by their position and their name.
+/// The first layer whose image is not within the tolerance of the reference's, with how far it is off. Layers
+/// are matched by their position and their name.
 pub fn first_difference(reference: &[Activation], made: &[Activation]) -> Option<(String, Comparison)> {
     first_difference_within(reference, made, TOLERANCE)
 }
@@ -118,8 +119,8 @@ impl Parity {
     /// Reads it from the model folder of a network.
     ///
     /// # Errors
-    /// If the file cannot be read, or does not hold an input and an image of that network, both of the same height and
-    /// width.
+    /// If the file cannot be read, or does not hold an input and an image of that network, both of the same
+    /// height and width.
     pub fn load(folder: &Path, spec: &NetSpec) -> Result<Self, ModelError> {
         let tensors = file::Tensors::open(&folder.join(file::PARITY), file::MOST_PARITY_BYTES)?;
         let parity = Self { input: tensors.image("input")?, output: tensors.image("output")? };

@@ -34,8 +34,9 @@ impl Reach {
         diagonal * share.min(self.diagonal_share.max(MOST_OF_DIAGONAL))
     }
 
-    /// The factor that camera-space positions in metres are multiplied by before the network reads them, so that
-    /// an effect of `radius` metres looks like the trained one. Training and every way of running use it.
+    /// The factor that camera-space positions in metres are multiplied by before the network reads them, so
+    /// that an effect of `radius` metres looks like the trained one. Training and every way of running use
+    /// it.
     pub fn position_scale(&self, radius: f32) -> f32 {
         self.radius / radius
     }

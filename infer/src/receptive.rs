@@ -6,9 +6,9 @@ use crate::{NetSpec, Source};
 type Span = [isize; 2];
 
 impl NetSpec {
-    /// Pixels around an image's part that decide what the network makes of that part, at most, where the part begins and
-    /// ends at multiples of [`NetSpec::alignment`]: exact, for a pixel further away changes nothing and one at that
-    /// distance does, if the weights let it.
+    /// Pixels around an image's part that decide what the network makes of that part, at most, where the part
+    /// begins and ends at multiples of [`NetSpec::alignment`]: exact, for a pixel further away changes
+    /// nothing and one at that distance does, if the weights let it.
     pub fn overlap(&self) -> usize {
         let part = self.alignment() as isize;
         let [first, last] = self.needed([0, part - 1]);
@@ -47,8 +47,8 @@ fn add(span: &mut Option<Span>, other: Span) {
     *span = Some(span.map_or(other, |[first, last]| [first.min(other[0]), last.max(other[1])]));
 }
 
-/// The pixels that a doubled span is blended from: an even pixel lies at the near end of a coarse one and has some of the
-/// coarse one before it, an odd pixel some of the one after.
+/// The pixels that a doubled span is blended from: an even pixel lies at the near end of a coarse one and has
+/// some of the coarse one before it, an odd pixel some of the one after.
 const fn before_doubling([first, last]: Span) -> Span {
     [(first - 1).div_euclid(2), (last + 1).div_euclid(2)]
 }

@@ -75,8 +75,8 @@ fn run(spec: &NetSpec, weights: &Weights, input: &Planes) -> Vec<Planes> {
     made
 }
 
-/// One layer: what comes before the convolution, the convolution, the activation. `input` is the padded input, and
-/// `made` what the earlier layers made of it.
+/// One layer: what comes before the convolution, the convolution, the activation. `input` is the padded
+/// input, and `made` what the earlier layers made of it.
 pub(crate) fn layer(
     spec: &NetSpec,
     layer: &Layer,
@@ -160,8 +160,8 @@ fn pooled(image: &Planes) -> Planes {
     })
 }
 
-/// Twice the size by bilinear interpolation between pixel centres, the edge continued outwards: every new pixel is
-/// 3/4 the old pixel it lies in and 1/4 the next one, along each axis.
+/// Twice the size by bilinear interpolation between pixel centres, the edge continued outwards: every new
+/// pixel is 3/4 the old pixel it lies in and 1/4 the next one, along each axis.
 fn doubled(image: &Planes) -> Planes {
     let (height, width) = (image.height(), image.width());
     let wide = Planes::from_fn(image.channels(), height, 2 * width, |c, y, x| {

@@ -21,8 +21,8 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Colour {
-    /// One: the network is trained on single channels, and runs once for each that the effect has. Of colours it
-    /// reads the same channel.
+    /// One: the network is trained on single channels, and runs once for each that the effect has. Of colours
+    /// it reads the same channel.
     #[default]
     Mono,
     /// All of the effect's at once.

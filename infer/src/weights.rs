@@ -18,9 +18,9 @@ pub struct LayerWeights {
 pub struct Weights(pub Vec<LayerWeights>);
 
 impl Weights {
-    /// Random weights without any symmetry, scaled layer by layer so that every layer makes an image of rms 1 from
-    /// [`parity::noise`] (after Mishkin and Matas 2016, "All you need is a good init"): nothing fades out on the way,
-    /// so an error anywhere shows at the end.
+    /// Random weights without any symmetry, scaled layer by layer so that every layer makes an image of rms 1
+    /// from [`parity::noise`] (after Mishkin and Matas 2016, "All you need is a good init"): nothing fades
+    /// out on the way, so an error anywhere shows at the end.
     pub fn random(spec: &NetSpec, seed: u32) -> Self {
         let side = (2 * spec.alignment()).max(16);
         let noise = parity::noise(spec.input_channels(), side, side, seed);
@@ -48,9 +48,10 @@ impl Weights {
         weights
     }
 
-    /// The same network with every layer but the last scaled by a power of two, so that the largest of what it makes
-    /// of [`parity::noise`] is from 1 to 2, and what reads it scaled back: leaky ReLUs pass a positive factor on, so
-    /// the image is the same to the last bit. Training leaves features as large as it likes, and half floats end at 65,504.
+    /// The same network with every layer but the last scaled by a power of two, so that the largest of what
+    /// it makes of [`parity::noise`] is from 1 to 2, and what reads it scaled back: leaky ReLUs pass a
+    /// positive factor on, so the image is the same to the last bit. Training leaves features as large as it
+    /// likes, and half floats end at 65,504.
     #[must_use]
     pub fn balanced(mut self, spec: &NetSpec) -> Self {
         let side = (2 * spec.alignment()).max(64);
@@ -77,8 +78,8 @@ impl Weights {
 }
 
 impl LayerWeights {
-    /// Makes the layer's image `factor` times as large, where channel `c` of what it reads is `read[c]` times as large
-    /// as it was.
+    /// Makes the layer's image `factor` times as large, where channel `c` of what it reads is `read[c]` times
+    /// as large as it was.
     fn scale(&mut self, layer: &Layer, factor: f32, read: &[f32]) {
         let area = layer.kernel * layer.kernel;
         let (share, per_group) = (layer.inputs / layer.groups, layer.outputs / layer.groups);
@@ -91,7 +92,8 @@ impl LayerWeights {
     }
 }
 
-/// For each layer the power of two that brings its largest magnitude to between 1 and 2; 1 where it makes nothing.
+/// For each layer the power of two that brings its largest magnitude to between 1 and 2; 1 where it makes
+/// nothing.
 fn scales(made: &[parity::Activation]) -> Vec<f32> {
     let scale = |largest: f32| if largest.is_normal() { (-largest.log2().floor()).exp2() } else { 1.0 };
     made.iter().map(|made| scale(parity::largest(&made.planes))).collect()

@@ -1,4 +1,5 @@
-//! The CPU's forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
+//! The CPU's forward pass equals the reference, layer by layer and element by element, on random asymmetric
+//! weights.
 
 use deepshade_infer::forward::ForwardError;
 use deepshade_infer::parity::{first_difference, noise, rms};

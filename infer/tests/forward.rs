@@ -1,4 +1,5 @@
-//! The WGSL forward pass equals the reference, layer by layer and element by element, on random asymmetric weights.
+//! The WGSL forward pass equals the reference, layer by layer and element by element, on random asymmetric
+//! weights.
 
 use deepshade_infer::forward::{
     self, HALF_TOLERANCE, Input, Options, Output, OutputKind, Precision, Variant,

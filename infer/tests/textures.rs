@@ -102,8 +102,9 @@ fn read(gpu: &Gpu, network: &Network, image: &wgpu::Texture, [height, width]: [u
     Planes::from_fn(channels, height, width, |c, y, x| elements[(y * width + x) * components + c])
 }
 
-/// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have. Not where kernels
-/// are predicted: an error in them makes one of the image that grows with the light, of which the tolerance knows nothing.
+/// All of a network's runs in 32-bit floats, and one in half floats, which lavapipe and GPUs of today have.
+/// Not where kernels are predicted: an error in them makes one of the image that grows with the light, of
+/// which the tolerance knows nothing.
 fn runs(spec: &NetSpec) -> Vec<(Precision, usize)> {
     let half = spec.filter().is_none().then_some((Precision::F16, 0));
     (0..spec.runs()).map(|run| (Precision::F32, run)).chain(half).collect()
@@ -150,7 +151,8 @@ fn textures_give_what_buffers_give() {
             let scalings = [scaling, Scaling { length: 0.5 * scaling.length, light: 0.3 }];
             let input = (&views[..], run);
             let images = images_by_textures(&gpu, &network, input, &scalings, [height, width], format);
-            // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of that.
+            // A conversion to half floats may cut off, so that values, below 8, are off by at most 2^-10 of
+            // that.
             let of_rms = if format == TextureFormat::Rgba16Float { 8e-3 } else { TOLERANCE.of_rms };
             let kind = if precision == Precision::F16 { HALF_TOLERANCE } else { TOLERANCE };
             let tolerance = Tolerance { of_rms, ..kind };

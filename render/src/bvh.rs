@@ -1,9 +1,9 @@
-//! Which triangle a ray meets: a scene with bounding volume hierarchies over it; a binary one, built by `obvhs`, for
-//! bundles of rays of a camera, and an eight-wide one made from it for all others.
+//! Which triangle a ray meets: a scene with bounding volume hierarchies over it; a binary one, built by
+//! `obvhs`, for bundles of rays of a camera, and an eight-wide one made from it for all others.
 //!
-//! Triangles lie in the order of the eight-wide hierarchy's leaves. Where a material is masked or blended, opacity
-//! decides whether a triangle is there at all; what chance decides of one is decided by its mesh and its index there, so
-//! that images do not depend on how the hierarchies were built.
+//! Triangles lie in the order of the eight-wide hierarchy's leaves. Where a material is masked or blended,
+//! opacity decides whether a triangle is there at all; what chance decides of one is decided by its mesh and
+//! its index there, so that images do not depend on how the hierarchies were built.
 
 pub mod bundle;
 pub mod clock;
@@ -29,7 +29,8 @@ use wide::{Fan, Ray, Wide};
 /// Opacity from which a blended surface is seen by a camera, which cannot see two surfaces at once.
 pub const VISIBLE_OPACITY: f32 = 0.5;
 
-/// Largest diagonal of a scene, metres: beyond it products of lengths leave the range of f32, and no scene is meant.
+/// Largest diagonal of a scene, metres: beyond it products of lengths leave the range of f32, and no scene is
+/// meant.
 const LARGEST_DIAGONAL: f32 = 1e9;
 
 /// A scene that rays can be traced through. Copies share the hierarchies.
@@ -87,9 +88,9 @@ impl TracedScene {
     /// Builds the hierarchy, and one more over the triangles' ways where some move.
     ///
     /// # Errors
-    /// If a vertex is not finite or its displacement is missing, there is no triangle, there are more than memory holds
-    /// (at 512 bytes each, twice that where any moves), the scene is more than 1e9 m across, or [`Scene::check_look`]
-    /// refuses its look.
+    /// If a vertex is not finite or its displacement is missing, there is no triangle, there are more than
+    /// memory holds (at 512 bytes each, twice that where any moves), the scene is more than 1e9 m across, or
+    /// [`Scene::check_look`] refuses its look.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         check(&scene)?;
         let triangles = scene.triangle_count() * if scene.moves() { 2 } else { 1 };
@@ -115,7 +116,8 @@ impl TracedScene {
     /// The same triangles with another look.
     ///
     /// # Errors
-    /// If [`Scene::check_look`] refuses it, or a mesh that was opaque when the hierarchies were built can be seen through.
+    /// If [`Scene::check_look`] refuses it, or a mesh that was opaque when the hierarchies were built can be
+    /// seen through.
     pub fn with_look(&self, look: Look) -> Result<Self, SceneError> {
         let mut copy = self.clone();
         copy.scene.set_look(look);
@@ -132,8 +134,8 @@ impl TracedScene {
         Ok(copy)
     }
 
-    /// The same triangles on other ways: one list a mesh, as [`Mesh::displacements`] is. Only the hierarchy over the
-    /// ways is built.
+    /// The same triangles on other ways: one list a mesh, as [`Mesh::displacements`] is. Only the hierarchy
+    /// over the ways is built.
     ///
     /// # Errors
     /// If there is not a list for each mesh, and those of [`TracedScene::new`].
@@ -153,8 +155,8 @@ impl TracedScene {
         Ok(copy)
     }
 
-    /// The same, with what it was like before: poses, each with the moment from which on it stands for the scene, seconds,
-    /// the oldest first. The first stands for all before it, too.
+    /// The same, with what it was like before: poses, each with the moment from which on it stands for the
+    /// scene, seconds, the oldest first. The first stands for all before it, too.
     ///
     /// # Errors
     /// If a pose has not the same triangles, moved.
@@ -190,20 +192,20 @@ impl TracedScene {
         self.bounds.diagonal()
     }
 
-    /// The scene at a moment of the exposure, from -0.5 at its beginning to 0.5 at its end. Times outside are those two.
-    /// Everything else here shows the middle, 0.
+    /// The scene at a moment of the exposure, from -0.5 at its beginning to 0.5 at its end. Times outside are
+    /// those two. Everything else here shows the middle, 0.
     pub const fn at(&self, time: f32) -> Moment<'_> {
         Moment::new(self, time)
     }
 
-    /// The nearest surface that a camera sees along a ray, up to `reach` lengths of `direction`. What masks leave
-    /// out and what is more than half transparent is not seen.
+    /// The nearest surface that a camera sees along a ray, up to `reach` lengths of `direction`. What masks
+    /// leave out and what is more than half transparent is not seen.
     pub fn hit(&self, origin: Vec3, direction: Vec3, reach: f32) -> Option<Hit> {
         self.nearest(ray(origin, direction, reach), |opacity, _| opacity >= VISIBLE_OPACITY)
     }
 
-    /// [`TracedScene::hit`] for rays without an end that start together, at most [`bundle::BUNDLE`] of them; the nearer
-    /// neighbours are to each other, the faster it goes.
+    /// [`TracedScene::hit`] for rays without an end that start together, at most [`bundle::BUNDLE`] of them;
+    /// the nearer neighbours are to each other, the faster it goes.
     pub fn hit_bundle(&self, origin: Vec3, directions: &[Vec3]) -> Vec<Option<Hit>> {
         let endless = |direction: Vec3| ray(origin, direction, f32::INFINITY);
         let visible = |index: u32, direction: Vec3| {
@@ -216,15 +218,15 @@ impl TracedScene {
         met.into_iter().zip(directions).map(hit).collect()
     }
 
-    /// Whether anything stops light along a ray within `reach` lengths of `direction`. A blended surface stops it
-    /// with the probability of its opacity, decided by a hash of the ray and the triangle.
+    /// Whether anything stops light along a ray within `reach` lengths of `direction`. A blended surface
+    /// stops it with the probability of its opacity, decided by a hash of the ray and the triangle.
     pub fn blocked(&self, origin: Vec3, direction: Vec3, reach: f32) -> bool {
         let ray = ray(origin, direction, reach);
         self.meets_any(ray, |opacity, triangle| stops(opacity, &ray, triangle))
     }
 
-    /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is blocked, of at most
-    /// [`bundle::BUNDLE`]; the nearer neighbours are to each other, the faster it goes.
+    /// [`TracedScene::blocked`] for rays that start together: bit `i` is set where `directions[i]` is
+    /// blocked, of at most [`bundle::BUNDLE`]; the nearer neighbours are to each other, the faster it goes.
     pub fn blocked_bundle(&self, origin: Vec3, directions: &[Vec3], reach: f32) -> u64 {
         let there = |index: u32, direction: Vec3| {
             let ray = ray(origin, direction, reach);
@@ -246,8 +248,8 @@ impl TracedScene {
         Hit { distance, mesh, triangle, barycentric: barycentric(&self.triangles[index as usize], ray) }
     }
 
-    /// The nearest triangle that a ray meets, of those that can be seen through only where `present` says so of their
-    /// opacity there.
+    /// The nearest triangle that a ray meets, of those that can be seen through only where `present` says so
+    /// of their opacity there.
     fn nearest(&self, ray: Ray, present: impl Fn(f32, TriangleOrigin) -> bool) -> Option<Hit> {
         let there = |index: u32| present(self.opacity(&ray, index as usize), self.origins[index as usize]);
         let (distance, index) = clock::around(|| self.bvh.nearest(&ray, there))?;

@@ -1,9 +1,10 @@
 //! Images and g-buffers as OpenEXR files: half floats, one channel a plane, named `position.X`, `depth`,
-//! `target.ao`, which tev, Blender and OpenImageIO show as layers. Text attributes carry where an image is from.
+//! `target.ao`, which tev, Blender and OpenImageIO show as layers. Text attributes carry where an image is
+//! from.
 //!
-//! Files of other renderers are read too: 16-bit and 32-bit floats and whole numbers, one part or several, upper or
-//! lower case, any prefix before the layer's name (`ViewLayer.Normal.X`). What nobody asks for does not
-//! matter.
+//! Files of other renderers are read too: 16-bit and 32-bit floats and whole numbers, one part or several,
+//! upper or lower case, any prefix before the layer's name (`ViewLayer.Normal.X`). What nobody asks for does
+//! not matter.
 
 mod blocks;
 mod check;

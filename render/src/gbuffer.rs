@@ -1,5 +1,5 @@
-//! The g-buffer of a scene and a camera, by one ray through the middle of every pixel: of a pinhole, in the middle of the
-//! exposure, whatever lens and motion blur what is made from it.
+//! The g-buffer of a scene and a camera, by one ray through the middle of every pixel: of a pinhole, in the
+//! middle of the exposure, whatever lens and motion blur what is made from it.
 
 use crate::bvh::{TracedScene, bundle::BUNDLE};
 use crate::intersection::SurfacePoint;
@@ -104,9 +104,9 @@ impl Seen<'_> {
     }
 }
 
-/// Movement in the image, in pixels, x to the right and y up, of a point that is displaced while the shutter is open:
-/// from where it is seen at the beginning to where at the end. Where it would be behind the camera then, as it moves
-/// in the middle.
+/// Movement in the image, in pixels, x to the right and y up, of a point that is displaced while the shutter
+/// is open: from where it is seen at the beginning to where at the end. Where it would be behind the camera
+/// then, as it moves in the middle.
 fn movement(camera: &Camera, height: usize, position: Vec3, displacement: Vec3) -> Vec2 {
     // The image's width moves both ends alike.
     let seen_at = |time: f32| camera.project(position + displacement * time, height, 0);
@@ -120,8 +120,8 @@ fn movement(camera: &Camera, height: usize, position: Vec3, displacement: Vec3) 
     }
 }
 
-/// Direction in [0, pi) and length of a movement: its sign is lost, since the shutter is the same in both directions of
-/// time (thesis 7.3.1).
+/// Direction in [0, pi) and length of a movement: its sign is lost, since the shutter is the same in both
+/// directions of time (thesis 7.3.1).
 fn polar(movement: Vec2) -> Vec2 {
     let direction = movement.y.atan2(movement.x).rem_euclid(PI);
     // Rounding may give pi itself, which is the direction 0.

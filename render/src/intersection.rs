@@ -29,8 +29,8 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// The point of a hit, seen against `direction`, of a scene or of it at the moment of the hit. Shading normals turn
-    /// with their triangles as these move.
+    /// The point of a hit, seen against `direction`, of a scene or of it at the moment of the hit. Shading
+    /// normals turn with their triangles as these move.
     pub fn new<'a>(scene: impl Into<Moment<'a>>, hit: &Hit, direction: Vec3) -> Self {
         let moment: Moment<'_> = scene.into();
         let scene = moment.scene();
@@ -50,7 +50,8 @@ impl SurfacePoint {
         );
         let geometric_normal = facing(geometric, -direction);
         let [smooth, mapped] = turned([smooth, mapped.unwrap_or(smooth)], resting, geometric);
-        // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is meant.
+        // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is
+        // meant.
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = leaning_to(side * mapped, -direction, geometric_normal);
         Self {
@@ -92,8 +93,8 @@ fn plane_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
     (b - a).cross(c - a).try_normalize()
 }
 
-/// Vectors turned as one unit vector must be to become another. Where that is no turn, they stay what they are to the
-/// sign of a zero, which decides on which tangents belong to a normal.
+/// Vectors turned as one unit vector must be to become another. Where that is no turn, they stay what they
+/// are to the sign of a zero, which decides on which tangents belong to a normal.
 fn turned(vectors: [Vec3; 2], from: Vec3, to: Vec3) -> [Vec3; 2] {
     if from == to { vectors } else { vectors.map(|vector| Quat::from_rotation_arc(from, to) * vector) }
 }
@@ -123,7 +124,8 @@ where
     Some(a * weights[0] + b * weights[1] + c * weights[2])
 }
 
-/// Columns: tangent, bitangent and normal. From the mesh's tangents, else from the triangle's texture coordinates.
+/// Columns: tangent, bitangent and normal. From the mesh's tangents, else from the triangle's texture
+/// coordinates.
 fn tangent_frame(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3, uv_set: usize) -> Mat3 {
     let (tangent, sign) = match interpolated(&mesh.tangents, corners, weights) {
         Some(tangent) => (tangent.truncate(), tangent.w.signum()),
@@ -133,8 +135,8 @@ fn tangent_frame(mesh: &Mesh, corners: [u32; 3], weights: [f32; 3], normal: Vec3
     Mat3::from_cols(tangent, normal.cross(tangent) * sign, normal)
 }
 
-/// Direction in which u grows on a triangle, and the sign of the bitangent, which points up in the image, to where v
-/// shrinks.
+/// Direction in which u grows on a triangle, and the sign of the bitangent, which points up in the image, to
+/// where v shrinks.
 fn uv_tangent(mesh: &Mesh, corners: [u32; 3], uv_set: usize) -> (Vec3, f32) {
     let uvs = &mesh.uvs[uv_set];
     if uvs.is_empty() {
@@ -152,8 +154,8 @@ fn facing(normal: Vec3, direction: Vec3) -> Vec3 {
     if normal.dot(direction) < 0.0 { -normal } else { normal }
 }
 
-/// A unit shading normal that does not look away from the viewer: bent towards the viewer until it faces; `geometric`
-/// where nothing is left of it.
+/// A unit shading normal that does not look away from the viewer: bent towards the viewer until it faces;
+/// `geometric` where nothing is left of it.
 fn leaning_to(normal: Vec3, to_viewer: Vec3, geometric: Vec3) -> Vec3 {
     const LEAST_COSINE: f32 = 1e-3;
     let cosine = normal.dot(to_viewer);
@@ -171,7 +173,8 @@ mod tests {
     use crate::scene::{Encoding, Material, Scene, Texture, TextureId, TextureSlot, Wrap};
     use glam::Affine2;
 
-    /// A square in the plane z = 0 that faces +z, with u along x, v down along -y, and a normal map of one colour.
+    /// A square in the plane z = 0 that faces +z, with u along x, v down along -y, and a normal map of one
+    /// colour.
     fn mapped_square(texel: [u8; 4]) -> TracedScene {
         let mesh = Mesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],

@@ -1,4 +1,5 @@
-//! What light does: scenes, cameras, g-buffers, path-traced truth, analytic methods, and the metrics that compare them.
+//! What light does: scenes, cameras, g-buffers, path-traced truth, analytic methods, and the metrics that
+//! compare them.
 //!
 //! Data flows one way: scene, frame, method, image, comparison.
 

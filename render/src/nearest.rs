@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// The weights of a triangle's corners at its point next to `point` (Ericson 2004, "Real-Time Collision Detection", 5.1.5: which of
-/// the corners, edges and the inside it is next to is told by signs of products).
+/// The weights of a triangle's corners at its point next to `point` (Ericson 2004, "Real-Time Collision
+/// Detection", 5.1.5: which of the corners, edges and the inside it is next to is told by signs of products).
 pub fn nearest_in_triangle([a, b, c]: [Vec3; 3], point: Vec3) -> [f32; 3] {
     let (ab, ac) = (b - a, c - a);
     let along = |corner: Vec3| (ab.dot(point - corner), ac.dot(point - corner));

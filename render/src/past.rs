@@ -1,5 +1,5 @@
-//! What a scene that moves was like before, for light that its surfaces keep: poses of stretches of time that matter alike
-//! ([`Glow::stretches`]).
+//! What a scene that moves was like before, for light that its surfaces keep: poses of stretches of time that
+//! matter alike ([`Glow::stretches`]).
 
 use crate::bvh::TracedScene;
 use crate::scene::{AnimatedScene, Glow, Light, Look, Scene, SceneError};
@@ -9,8 +9,8 @@ use rayon::prelude::*;
 const POSES: usize = 48;
 const TRIANGLES: usize = 4_000_000;
 
-/// A scene at the moment of its glow, with what it was like before in so many poses at most, or as if it had always been so without
-/// any; `pose` is the scene at a moment, seconds, with the same triangles.
+/// A scene at the moment of its glow, with what it was like before in so many poses at most, or as if it had
+/// always been so without any; `pose` is the scene at a moment, seconds, with the same triangles.
 ///
 /// # Errors
 /// If there is no such pose, or as [`TracedScene::new`] and [`TracedScene::with_past`].
@@ -24,8 +24,8 @@ pub fn remembered(
     now.with_past(past?)
 }
 
-/// What looks like `now`, posed as an animation has it at the moment of its glow, with what it was like before where anything
-/// moves. The animation moves its own lights, too.
+/// What looks like `now`, posed as an animation has it at the moment of its glow, with what it was like
+/// before where anything moves. The animation moves its own lights, too.
 ///
 /// # Errors
 /// If a vertex is nowhere at a moment, or as [`remembered`].
@@ -39,8 +39,8 @@ pub fn of_animation(animated: &AnimatedScene, now: &Scene) -> Result<TracedScene
     if animated.rigs.is_empty() { Ok(scene) } else { remembered(scene, POSES, pose) }
 }
 
-/// What [`of_animation`] has made, under other lights at all of its moments but for those that the animation moves; `moment` is
-/// the one that is shown, seconds.
+/// What [`of_animation`] has made, under other lights at all of its moments but for those that the animation
+/// moves; `moment` is the one that is shown, seconds.
 ///
 /// # Errors
 /// As [`TracedScene::with_look`].

@@ -1,5 +1,6 @@
-//! Counter-based random numbers: a value is a function of pixel, sample, dimension and seed, so that images do not
-//! depend on threads or order. Within a pixel, samples are an Owen-scrambled Sobol sequence (Burley 2020).
+//! Counter-based random numbers: a value is a function of pixel, sample, dimension and seed, so that images
+//! do not depend on threads or order. Within a pixel, samples are an Owen-scrambled Sobol sequence (Burley
+//! 2020).
 
 use glam::{Mat3, Vec2, Vec3};
 use sobol_burley::NUM_DIMENSION_SETS_4D;
@@ -48,8 +49,9 @@ impl PixelSampler {
     }
 }
 
-/// The random numbers of one sample of a pixel, one after the other. The first 256 are dimensions of the pixel's Sobol
-/// sequence, those after them independent hashes, since what happens so late on a path hardly varies together.
+/// The random numbers of one sample of a pixel, one after the other. The first 256 are dimensions of the
+/// pixel's Sobol sequence, those after them independent hashes, since what happens so late on a path hardly
+/// varies together.
 #[derive(Clone, Debug)]
 pub struct Stream {
     pixel: PixelSampler,
@@ -91,7 +93,8 @@ impl Stream {
     }
 }
 
-/// A direction of the upper hemisphere (z up) with density cosine / pi, by Malley's method over a concentric disk.
+/// A direction of the upper hemisphere (z up) with density cosine / pi, by Malley's method over a concentric
+/// disk.
 pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
     let (radius, angle) = concentric(u, v);
     let (sin, cos) = angle.sin_cos();

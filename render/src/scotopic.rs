@@ -1,10 +1,12 @@
-//! How a picture looks to eyes in the dark, where rods see and cones do not: bluish without other colours, blurred but for
-//! strong edges, and noisy. After Thompson, Shirley and Ferwerda 2002, "A Spatial Post-Processing Algorithm for Images of Night
-//! Scenes", which the thesis' pictures of phosphorescence have been through (section 8.5); how much of each is up to the viewer.
+//! How a picture looks to eyes in the dark, where rods see and cones do not: bluish without other colours,
+//! blurred but for strong edges, and noisy. After Thompson, Shirley and Ferwerda 2002, "A Spatial
+//! Post-Processing Algorithm for Images of Night Scenes", which the thesis' pictures of phosphorescence have
+//! been through (section 8.5); how much of each is up to the viewer.
 //!
-//! The blur is one of visual angle: what eyes at the camera lose at night. Pictures so small that a pixel is coarser than that have
-//! nothing to lose (at 80 rows of 50 degrees the standard deviation is a sixth of a pixel). The blue is that of a bluish grey, at the
-//! chromaticity (0.30, 0.30); how blue it is does not depend on how bright.
+//! The blur is one of visual angle: what eyes at the camera lose at night. Pictures so small that a pixel is
+//! coarser than that have nothing to lose (at 80 rows of 50 degrees the standard deviation is a sixth of a
+//! pixel). The blue is that of a bluish grey, at the chromaticity (0.30, 0.30); how blue it is does not
+//! depend on how bright.
 
 use crate::scene::Camera;
 use deepshade_shaders::Planes;
@@ -12,12 +14,13 @@ use deepshade_shaders::colour::luminance;
 use deepshade_shaders::random::random;
 use glam::{Mat3, Vec3};
 
-/// The colour of what rods alone see (Krawczyk, Myszkowski and Seidel 2005, "Perceptual Effects in Real-Time Tone Mapping",
-/// equation 7).
+/// The colour of what rods alone see (Krawczyk, Myszkowski and Seidel 2005, "Perceptual Effects in Real-Time
+/// Tone Mapping", equation 7).
 const NIGHT: Vec3 = Vec3::new(1.05, 0.97, 1.27);
 
-/// Standard deviation of the blur, radians: of a grating of 3 cycles a degree, the finest that eyes see at 0.001 cd/m² (Larson,
-/// Rushmeier and Piatko 1997, their fit of what Shlaer measured in 1937), it leaves a tenth of the contrast.
+/// Standard deviation of the blur, radians: of a grating of 3 cycles a degree, the finest that eyes see at
+/// 0.001 cd/m² (Larson, Rushmeier and Piatko 1997, their fit of what Shlaer measured in 1937), it leaves a
+/// tenth of the contrast.
 const ACUITY: f32 = 0.002;
 
 /// How much wider the second blur is, of whose difference from the first edges are made.
@@ -88,7 +91,8 @@ impl Scotopic {
     }
 }
 
-/// What rods see of a colour, white being 1 (Larson, Rushmeier and Piatko 1997, section 4.2: scotopic luminance of XYZ).
+/// What rods see of a colour, white being 1 (Larson, Rushmeier and Piatko 1997, section 4.2: scotopic
+/// luminance of XYZ).
 fn by_rods(colour: Vec3) -> f32 {
     let of = |colour: Vec3| {
         let Vec3 { x, y, z } = XYZ_OF_SRGB * colour;
@@ -111,8 +115,8 @@ fn blurred(plane: &Planes, deviation: f32) -> Planes {
     Planes::from_fn(1, height, width, |_, y, x| mean(&|y| across.at(0, y, x), y, height))
 }
 
-/// Weights of a Gaussian, from as far on one side as on the other: to where nothing is left of it, or by `farthest` pixels at most,
-/// beyond which an image has nothing.
+/// Weights of a Gaussian, from as far on one side as on the other: to where nothing is left of it, or by
+/// `farthest` pixels at most, beyond which an image has nothing.
 fn weights(deviation: f32, farthest: usize) -> Vec<f32> {
     let reach = ((3.0 * deviation).ceil() as i64).min(farthest as i64);
     let weight = |at: i64| if deviation > 0.0 { (-0.5 * (at as f32 / deviation).powi(2)).exp() } else { 1.0 };
@@ -132,7 +136,8 @@ mod tests {
         Scotopic { share, blur: 1.5, noise, seed: 5 }
     }
 
-    /// Of a grating of 3 cycles a degree a tenth is left, however many pixels the picture has and however much it shows.
+    /// Of a grating of 3 cycles a degree a tenth is left, however many pixels the picture has and however
+    /// much it shows.
     #[test]
     fn the_blur_is_of_visual_angle() {
         let blur = |degrees: f32, height: usize| {

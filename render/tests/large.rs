@@ -1,4 +1,5 @@
-//! A program of its own, since it watches its memory: scenes with millions of triangles have images, or are refused in words.
+//! A program of its own, since it watches its memory: scenes with millions of triangles have images, or are
+//! refused in words.
 #![cfg(target_os = "linux")]
 
 use deepshade_render::methods::disks::Disks;

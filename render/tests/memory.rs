@@ -16,8 +16,8 @@ fn memory() -> f64 {
     line.trim().trim_end_matches("kB").trim().parse::<f64>().expect("a number") / 1024.0
 }
 
-/// Drivers that compile a shader anew for every draw, as lavapipe does where a uniform decides on a branch, keep 2 MB of
-/// each: 4 GB in these frames.
+/// Drivers that compile a shader anew for every draw, as lavapipe does where a uniform decides on a branch,
+/// keep 2 MB of each: 4 GB in these frames.
 #[test]
 fn drawing_again_and_again_takes_no_more_memory() {
     let gpu = Gpu::new().expect("an adapter");

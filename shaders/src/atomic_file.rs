@@ -1,4 +1,5 @@
-//! Writing files so that a name never stands for half a file: a temporary file in the same folder, synced, renamed.
+//! Writing files so that a name never stands for half a file: a temporary file in the same folder, synced,
+//! renamed.
 
 use crate::own_file::folder;
 use std::fs::OpenOptions;
@@ -6,21 +7,22 @@ use std::io::{self, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// What names of temporary files and folders start with. A killed program leaves some behind; whoever owns a folder may delete
-/// them there.
+/// What names of temporary files and folders start with. A killed program leaves some behind; whoever owns a
+/// folder may delete them there.
 pub const TEMPORARY_PREFIX: &str = ".deepshade-";
 
-/// Modes on Unix of files that others may read, as far as the process's mask lets them, and of those that nobody else may.
+/// Modes on Unix of files that others may read, as far as the process's mask lets them, and of those that
+/// nobody else may.
 const OPEN: u32 = 0o666;
 const PRIVATE: u32 = 0o600;
 
-/// Writes a whole file, replacing one of that name. A link stays, and what it leads to is replaced. What is no regular
-/// file, such as a pipe or a device (`/dev/stdout`), cannot be replaced and is written into.
+/// Writes a whole file, replacing one of that name. A link stays, and what it leads to is replaced. What is
+/// no regular file, such as a pipe or a device (`/dev/stdout`), cannot be replaced and is written into.
 ///
 /// # Errors
-/// If the folder is missing, not writable or full; the old file is then as it was. Only where the system fails to make
-/// the new name last, at the very end, is the new file there in spite of an error. The error does not say which file:
-/// the caller does.
+/// If the folder is missing, not writable or full; the old file is then as it was. Only where the system
+/// fails to make the new name last, at the very end, is the new file there in spite of an error. The error
+/// does not say which file: the caller does.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_with(path, bytes, OPEN)
 }
@@ -33,8 +35,8 @@ pub fn write_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_with(path, bytes, PRIVATE)
 }
 
-/// Finds out whether [`write()`] could write a file, its folder made where that is missing: what can be known before there
-/// is anything to write.
+/// Finds out whether [`write()`] could write a file, its folder made where that is missing: what can be known
+/// before there is anything to write.
 ///
 /// # Errors
 /// If it could not.
@@ -63,8 +65,8 @@ fn write_with(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     }
 }
 
-/// Deletes what killed programs left half-written in a folder, which the caller alone writes into: files, and folders
-/// of them.
+/// Deletes what killed programs left half-written in a folder, which the caller alone writes into: files, and
+/// folders of them.
 ///
 /// # Errors
 /// If the folder cannot be read or something in it not be deleted.
@@ -90,8 +92,8 @@ fn replace(path: &Path, bytes: &[u8], mode: u32) -> io::Result<()> {
     sync_folder(folder)
 }
 
-/// A temporary file in a folder. It is opened here, since an error of the crate's own names it, which means nothing to
-/// anybody.
+/// A temporary file in a folder. It is opened here, since an error of the crate's own names it, which means
+/// nothing to anybody.
 #[cfg_attr(not(unix), expect(unused_variables, reason = "only Unix has modes"))]
 fn temporary(folder: &Path, mode: u32) -> io::Result<NamedTempFile> {
     let mut options = OpenOptions::new();

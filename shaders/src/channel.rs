@@ -1,4 +1,5 @@
-//! The one list of g-buffer channels: EXR layer names, WGSL constants, network input order and docs derive from it.
+//! The one list of g-buffer channels: EXR layer names, WGSL constants, network input order and docs derive
+//! from it.
 //!
 //! The attributes are those of Nalbach's thesis (7.3.1), plus object id, emission and a validity mask.
 
@@ -35,11 +36,12 @@ pub enum Attribute {
     Depth,
     /// `Dfocal`: signed distance to the plane in focus, metres, positive beyond it; 0 without a lens.
     FocalDistance,
-    /// Radius of the circle of confusion that the lens makes of the point, pixels, never negative: `|Dfocal| B / Ds`.
+    /// Radius of the circle of confusion that the lens makes of the point, pixels, never negative:
+    /// `|Dfocal| B / Ds`.
     CircleOfConfusion,
-    /// `Dfocal B`, the one number of blur that the thesis feeds a network (7.4), beside `Ds`; metres times pixels. `B`
-    /// belongs to the lens and is the same all over an image: the radius in pixels of the circle of confusion of what
-    /// is infinitely far away.
+    /// `Dfocal B`, the one number of blur that the thesis feeds a network (7.4), beside `Ds`; metres times
+    /// pixels. `B` belongs to the lens and is the same all over an image: the radius in pixels of the circle
+    /// of confusion of what is infinitely far away.
     Blurriness,
     /// `Cw`: unit direction to the camera in world space.
     ToCamera,
@@ -55,8 +57,8 @@ pub enum Attribute {
     Light,
     /// `Ldiff`: direct light reflected diffusely, radiance.
     DiffuseLight,
-    /// `F`: movement in the image plane during exposure; direction in [0, pi), from x to the right towards y up, and
-    /// length in pixels.
+    /// `F`: movement in the image plane during exposure; direction in [0, pi), from x to the right towards y
+    /// up, and length in pixels.
     Motion,
     /// Object id, whole numbers from 0, modulo 2048 so that half floats hold them exactly.
     ObjectId,
@@ -160,7 +162,8 @@ impl Attribute {
         }
     }
 
-    /// Names of the components, as they follow the dot in an EXR channel name; a scalar's channel is the bare name.
+    /// Names of the components, as they follow the dot in an EXR channel name; a scalar's channel is the bare
+    /// name.
     pub const fn components(self) -> &'static [&'static str] {
         match self.kind() {
             AttributeKind::CameraVector | AttributeKind::WorldVector => &["X", "Y", "Z"],

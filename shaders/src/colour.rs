@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-/// The sRGB encoding (IEC 61966-2-1) of a linear value, both in [0, 1]; what is outside is taken as the nearer end.
+/// The sRGB encoding (IEC 61966-2-1) of a linear value, both in [0, 1]; what is outside is taken as the
+/// nearer end.
 pub fn srgb_encoded(linear: f32) -> f32 {
     let linear = linear.clamp(0.0, 1.0);
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }

@@ -12,24 +12,26 @@ use table::TABLE;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effect {
-    /// Ambient occlusion: the cosine-weighted share of directions of the upper hemisphere that nothing blocks within
-    /// a radius; 1 is open (thesis 7.4).
+    /// Ambient occlusion: the cosine-weighted share of directions of the upper hemisphere that nothing blocks
+    /// within a radius; 1 is open (thesis 7.4).
     Ao,
-    /// Directional occlusion: irradiance, divided by pi, from the environment map in the directions that nothing blocks
-    /// within a radius, RGB (thesis 7.4).
+    /// Directional occlusion: irradiance, divided by pi, from the environment map in the directions that
+    /// nothing blocks within a radius, RGB (thesis 7.4).
     Do,
-    /// Diffuse indirect light: irradiance, divided by pi, of light that was reflected diffusely once within a radius,
-    /// RGB. Times the diffuse colour it is the indirect radiance (thesis 7.4).
+    /// Diffuse indirect light: irradiance, divided by pi, of light that was reflected diffusely once within a
+    /// radius, RGB. Times the diffuse colour it is the indirect radiance (thesis 7.4).
     Gi,
-    /// Glossy indirect light: the radiance that a surface's specular lobe reflects to the eye of light that was reflected
-    /// diffusely once within a radius, RGB (thesis 4.3).
+    /// Glossy indirect light: the radiance that a surface's specular lobe reflects to the eye of light that
+    /// was reflected diffusely once within a radius, RGB (thesis 4.3).
     Glossy,
-    /// Image-based lighting: radiance reflected from an environment map that nothing blocks, by the Phong model, RGB.
+    /// Image-based lighting: radiance reflected from an environment map that nothing blocks, by the Phong
+    /// model, RGB.
     Ibl,
-    /// Subsurface scattering in screen space: direct light gathered from the image's other pixels by Christensen's
-    /// normalised diffusion, RGB.
+    /// Subsurface scattering in screen space: direct light gathered from the image's other pixels by
+    /// Christensen's normalised diffusion, RGB.
     Sss,
-    /// Subsurface scattering as it is: direct light that random walks below the surface bring out again, radiance, RGB.
+    /// Subsurface scattering as it is: direct light that random walks below the surface bring out again,
+    /// radiance, RGB.
     Subsurface,
     /// Depth of field: direct light, averaged over a thin lens, radiance, RGB.
     Dof,
@@ -45,14 +47,16 @@ pub enum Effect {
     FogIndirect,
     /// Light of every other path with a vertex in the medium, radiance, RGB.
     FogMultiple,
-    /// Phosphorescence: what the surface that is seen gives back of light of lamps that it kept, radiance, RGB (thesis 8.3).
+    /// Phosphorescence: what the surface that is seen gives back of light of lamps that it kept, radiance,
+    /// RGB (thesis 8.3).
     Phosphor,
-    /// Diffuse light of phosphorescence: irradiance, divided by pi, of what surfaces within a radius give back of light of
-    /// lamps that they kept, RGB.
+    /// Diffuse light of phosphorescence: irradiance, divided by pi, of what surfaces within a radius give
+    /// back of light of lamps that they kept, RGB.
     PhosphorGi,
     /// All light, radiance, RGB.
     Path,
-    /// The look of photographs, radiance, RGB: all light, in a setting that a network learns by heart (thesis 7.4).
+    /// The look of photographs, radiance, RGB: all light, in a setting that a network learns by heart (thesis
+    /// 7.4).
     Real,
 }
 

@@ -1,14 +1,17 @@
-//! By how much light is scaled so that a dim scene is to a network, and to those who compare images, what a bright one is.
+//! By how much light is scaled so that a dim scene is to a network, and to those who compare images, what a
+//! bright one is.
 
 use crate::{Effect, Planes};
 
 /// Share of the positive values that do not exceed 1 when light is exposed: lights and their reflections may.
 const WITHIN: f64 = 0.99;
 
-/// Largest factor: light that is darker is as good as black, and what is brighter in the same image stays finite.
+/// Largest factor: light that is darker is as good as black, and what is brighter in the same image stays
+/// finite.
 const MOST: f32 = 1e18;
 
-/// The factor, at most 1e18, by which 99 % of the positive finite values of an image come to at most 1; 1 if there is none.
+/// The factor, at most 1e18, by which 99 % of the positive finite values of an image come to at most 1; 1 if
+/// there is none.
 pub fn of_values(values: impl Iterator<Item = f32>) -> f32 {
     let mut lit: Vec<f32> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
     if lit.is_empty() {
@@ -19,8 +22,9 @@ pub fn of_values(values: impl Iterator<Item = f32>) -> f32 {
     (1.0 / *bright).min(MOST)
 }
 
-/// The factor that an image of an effect and its truth, `[channels, height, width]`, are multiplied by before they
-/// are compared or looked at: 1 for shares of a hemisphere; for light [that of truth's values](of_values).
+/// The factor that an image of an effect and its truth, `[channels, height, width]`, are multiplied by before
+/// they are compared or looked at: 1 for shares of a hemisphere; for light [that of truth's
+/// values](of_values).
 pub fn of_image(effect: Effect, truth: &Planes) -> f32 {
     if effect == Effect::Ao { 1.0 } else { of_values(truth.data().iter().copied()) }
 }

@@ -20,14 +20,15 @@ pub struct MissingAttribute {
     pub held: String,
 }
 
-/// Whether a value of [`Attribute::Valid`] says that a surface is seen. It is 0 or 1, but files that were scaled hold
-/// values between. `surface_valid` says the same in WGSL.
+/// Whether a value of [`Attribute::Valid`] says that a surface is seen. It is 0 or 1, but files that were
+/// scaled hold values between. `surface_valid` says the same in WGSL.
 pub const fn shows_surface(valid: f32) -> bool {
     valid > 0.5
 }
 
 impl GBuffer {
-    /// A g-buffer whose planes are the attributes' channels one after the other, `[sum of widths, height, width]`.
+    /// A g-buffer whose planes are the attributes' channels one after the other,
+    /// `[sum of widths, height, width]`.
     ///
     /// # Panics
     /// If the number of planes is not the sum of the attributes' widths.
@@ -117,7 +118,8 @@ impl GBuffer {
         Self::new(attributes, Planes::from_data(channels, self.height(), self.width(), data))
     }
 
-    /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network reads.
+    /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network
+    /// reads.
     ///
     /// # Errors
     /// If one of them is not there.

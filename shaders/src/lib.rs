@@ -1,9 +1,9 @@
-//! The contract between CPU, GPU and network: which channels a g-buffer has, how images lie in memory, what is meant by
-//! similar, which WGSL sources exist, and how a compute pass is run and timed.
+//! The contract between CPU, GPU and network: which channels a g-buffer has, how images lie in memory, what
+//! is meant by similar, which WGSL sources exist, and how a compute pass is run and timed.
 //!
-//! Conventions, stated once for the whole project: right-handed, metres, y up; a camera looks down -z; image origin
-//! top left; linear radiance, no gamma inside. Images are planar `[channels, height, width]` f32 in memory and half
-//! floats in files.
+//! Conventions, stated once for the whole project: right-handed, metres, y up; a camera looks down -z; image
+//! origin top left; linear radiance, no gamma inside. Images are planar `[channels, height, width]` f32 in
+//! memory and half floats in files.
 
 pub mod atomic_file;
 pub mod channel;

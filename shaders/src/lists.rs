@@ -25,7 +25,8 @@ pub fn spread(count: usize, wanted: usize) -> Vec<usize> {
     (0..count).filter(|index| is_in_spread(*index, count, wanted)).collect()
 }
 
-/// Whether an index below `count` is among those of [`spread`]: the share of `wanted` reaches a whole number there.
+/// Whether an index below `count` is among those of [`spread`]: the share of `wanted` reaches a whole number
+/// there.
 pub const fn is_in_spread(index: usize, count: usize, wanted: usize) -> bool {
     wanted >= count || (index * wanted).next_multiple_of(count) < (index + 1) * wanted
 }

@@ -4,8 +4,8 @@ use std::fs::Metadata;
 use std::io;
 use std::path::Path;
 
-/// Whether nobody but the user, and root, may have written a file, or what a folder holds. On other systems than Unix it
-/// is not known, and taken for true.
+/// Whether nobody but the user, and root, may have written a file, or what a folder holds. On other systems
+/// than Unix it is not known, and taken for true.
 pub fn is_own(found: &Metadata) -> bool {
     #[cfg(unix)]
     {

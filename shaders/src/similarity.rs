@@ -1,5 +1,6 @@
-//! The numbers of structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, equation 13), for values of a range of
-//! 1, over tiles that do not overlap (thesis 7.3.3): what the metric of `render` and the loss of `train` share.
+//! The numbers of structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004, equation 13), for values of
+//! a range of 1, over tiles that do not overlap (thesis 7.3.3): what the metric of `render` and the loss of
+//! `train` share.
 
 /// Height and width of a tile, pixels.
 pub const TILE: usize = 8;

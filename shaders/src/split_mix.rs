@@ -1,5 +1,5 @@
-//! SplitMix64 (Steele, Lea and Flood 2014): a counter put through a mixing function. Everything on the CPU that draws
-//! by 64-bit counters or hashes draws by this.
+//! SplitMix64 (Steele, Lea and Flood 2014): a counter put through a mixing function. Everything on the CPU
+//! that draws by 64-bit counters or hashes draws by this.
 
 /// Distance between two states of the counter: 2^64 over the golden ratio.
 pub const STEP: u64 = 0x9e37_79b9_7f4a_7c15;

@@ -1,5 +1,5 @@
-//! `deepshade bench frame`: milliseconds of every pass of a live frame, frames a second, and whether memory stays what it
-//! is.
+//! `deepshade bench frame`: milliseconds of every pass of a live frame, frames a second, and whether memory
+//! stays what it is.
 
 use crate::arguments::Size;
 use crate::complete::Additions;
@@ -42,8 +42,8 @@ pub struct Args {
     /// Sizes of the image.
     #[arg(long, value_delimiter = ',', default_value = "1280x720,1920x1080")]
     sizes: Vec<Size>,
-    /// What runs on each frame: EFFECT:METHOD; a network is EFFECT:learned. By default the first method of every effect that
-    /// has one that works on the screen.
+    /// What runs on each frame: EFFECT:METHOD; a network is EFFECT:learned. By default the first method of
+    /// every effect that has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
     /// Folder or address of the network of `learned`; by default models/EFFECT.

@@ -51,8 +51,8 @@ impl Args {
         self.python.is_some()
     }
 
-    /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network. It refuses to
-    /// measure a network that does not make the image that the reference makes.
+    /// Runs a job, where a Python is named: `more` is what [`SCRIPT`] wants to know beside the network. It
+    /// refuses to measure a network that does not make the image that the reference makes.
     ///
     /// # Errors
     /// If that Python does not run, has no PyTorch, or fails.

@@ -108,8 +108,8 @@ impl Contest {
         self.of(effect).find_map(|one| one.spec.as_ref())?.environment.as_ref()
     }
 
-    /// States those methods in their run that take part, so that it can be said again by name: networks with the folders that they were
-    /// found in, since from another folder others would be found.
+    /// States those methods in their run that take part, so that it can be said again by name: networks with
+    /// the folders that they were found in, since from another folder others would be found.
     pub fn state(&self, run: &mut Run) {
         let takes_part = |choice: &MethodChoice| {
             choice.name == TRUTH || self.contestants.iter().any(|one| one.rival.method_name == choice.name)
@@ -133,8 +133,8 @@ impl Contest {
         networks.collect()
     }
 
-    /// Leaves methods of an effect out that do not go through a medium that is a grid, or refuses them where they are asked
-    /// for by name.
+    /// Leaves methods of an effect out that do not go through a medium that is a grid, or refuses them where
+    /// they are asked for by name.
     ///
     /// # Errors
     /// If one that is asked for wants fog that is the same throughout, or all do.
@@ -163,8 +163,8 @@ pub fn label(contests: &mut [Contest]) {
     }
 }
 
-/// Where several networks of an effect take part, in whatever runs, names say which one it is: by its folder's name, with
-/// a number where an earlier one's folder has the same.
+/// Where several networks of an effect take part, in whatever runs, names say which one it is: by its
+/// folder's name, with a number where an earlier one's folder has the same.
 fn name_networks(contests: &mut [Contest]) {
     let network = |one: &Contestant| Some((one.effect, one.network.clone()?));
     let all = contests.iter().flat_map(|contest| contest.contestants.iter().filter_map(network));
@@ -201,8 +201,8 @@ fn default_methods(run: &Run) -> Vec<MethodChoice> {
     names.chain([TRUTH]).map(MethodChoice::named).collect()
 }
 
-/// The network that `learned` is for an effect; none where it is one of several effects and the network is another's, or
-/// none is there.
+/// The network that `learned` is for an effect; none where it is one of several effects and the network is
+/// another's, or none is there.
 fn network(run: &Run, choice: &MethodChoice, effect: Effect) -> Result<Option<Network>> {
     let several = run.effects().len() > 1;
     let stated = choice.model.as_ref().or(run.model.as_ref());

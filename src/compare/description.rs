@@ -1,4 +1,5 @@
-//! A comparison as a whole, whether a TOML file or the command line says what it is, and the file that it writes.
+//! A comparison as a whole, whether a TOML file or the command line says what it is, and the file that it
+//! writes.
 
 use super::run::Run;
 use super::values::MethodChoice;
@@ -39,7 +40,8 @@ pub fn read(path: &Path) -> Result<Run> {
 }
 
 impl Comparison {
-    /// What a file says, if there is one, with what the command line says of each run in place of what the file does.
+    /// What a file says, if there is one, with what the command line says of each run in place of what the
+    /// file does.
     ///
     /// # Errors
     /// If a value is out of its range or means nothing, with its key.
@@ -184,8 +186,8 @@ fn check_methods(run: &Run) -> Result<()> {
     Ok(())
 }
 
-/// The way from a folder to a file; the whole path where there is none, as from one drive to another, and as it is where
-/// nothing is there.
+/// The way from a folder to a file; the whole path where there is none, as from one drive to another, and as
+/// it is where nothing is there.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let Ok(whole) = path.canonicalize() else { return path.to_owned() };
     let shared = whole.components().zip(folder.components()).take_while(|(a, b)| a == b).count();

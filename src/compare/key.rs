@@ -1,5 +1,5 @@
-//! What tells an image from every other that it could be taken for: a hash of all that it was made from. Where an image
-//! of the same key is there already, it is not made again.
+//! What tells an image from every other that it could be taken for: a hash of all that it was made from.
+//! Where an image of the same key is there already, it is not made again.
 
 use anyhow::{Context, Result};
 use std::fmt::{Arguments, Debug, Result as Written, Write};
@@ -44,8 +44,8 @@ pub fn file_digest(path: &Path) -> Result<String> {
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// What makes images beside what they are made from: this very program, since another build may make others, and the
-/// machine, since times are its own.
+/// What makes images beside what they are made from: this very program, since another build may make others,
+/// and the machine, since times are its own.
 ///
 /// # Errors
 /// If the program cannot be read.

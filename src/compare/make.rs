@@ -1,5 +1,5 @@
-//! Making a frame: its truth, and every method's image held against it, each written as soon as it is there. What is there
-//! from an earlier run and was made from the same things is not made again.
+//! Making a frame: its truth, and every method's image held against it, each written as soon as it is there.
+//! What is there from an earlier run and was made from the same things is not made again.
 
 use super::contest::Contestant;
 use super::key::Digest;

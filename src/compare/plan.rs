@@ -1,5 +1,5 @@
-//! What frames a comparison has, and which of their images are there: found out for all scenes before the first image is
-//! made, so that what is wrong with the last scene is said at once.
+//! What frames a comparison has, and which of their images are there: found out for all scenes before the
+//! first image is made, so that what is wrong with the last scene is said at once.
 
 use super::contest::Contest;
 use super::description::{Comparison, distinct, short_name};
@@ -116,8 +116,8 @@ pub fn completed(
     complete(scene, &view.camera, &wants)
 }
 
-/// All frames, those of a scene one after the other, with what of them is in a folder. Methods that do not go through a
-/// run's medium are left out of its contest.
+/// All frames, those of a scene one after the other, with what of them is in a folder. Methods that do not go
+/// through a run's medium are left out of its contest.
 ///
 /// # Errors
 /// If a scene cannot be loaded, a view is impossible, or something that a run states is.

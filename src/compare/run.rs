@@ -1,7 +1,8 @@
-//! What is compared: the keys of a comparison's TOML file, which are the command line's options under the same names.
+//! What is compared: the keys of a comparison's TOML file, which are the command line's options under the
+//! same names.
 //!
-//! A run is every effect by every method in every quality, in every view of every scene. What a run leaves out it has from
-//! the run that it stands in, and what no run states has a default ([`Run::filled`]).
+//! A run is every effect by every method in every quality, in every view of every scene. What a run leaves
+//! out it has from the run that it stands in, and what no run states has a default ([`Run::filled`]).
 
 use super::values::{Colour, MethodChoice};
 use crate::complete::Additions;
@@ -82,8 +83,8 @@ pub struct Run {
 }
 
 impl Run {
-    /// What is stated here, and elsewhere what is stated by another; of its methods those that are for effects that are stated
-    /// here. What stands in either is left out.
+    /// What is stated here, and elsewhere what is stated by another; of its methods those that are for
+    /// effects that are stated here. What stands in either is left out.
     #[must_use]
     pub fn over(self, other: &Self) -> Self {
         let other = other.clone();
@@ -123,8 +124,8 @@ impl Run {
         }
     }
 
-    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file states for one. A file's
-    /// network goes where the command line leaves no method that is one.
+    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file
+    /// states for one. A file's network goes where the command line leaves no method that is one.
     #[must_use]
     pub fn in_place_of(self, file: &Self) -> Self {
         let (qualities, model) = (self.qualities.is_some(), self.model.is_some());
@@ -277,8 +278,8 @@ impl Run {
     }
 }
 
-/// Methods without those that only other effects have; nothing where no effect has any. What is no method at all stays, to be
-/// refused by name.
+/// Methods without those that only other effects have; nothing where no effect has any. What is no method at
+/// all stays, to be refused by name.
 fn fitting(mut methods: Vec<MethodChoice>, effects: &[Effect]) -> Option<Vec<MethodChoice>> {
     let has =
         |effect: &Effect, method: &MethodChoice| methods::names_of(*effect).contains(&method.name.as_str());

@@ -1,5 +1,5 @@
-//! Values of a comparison's TOML file that may be written in two ways, the short one for what is wanted most often. Read by
-//! visitors of their own: of an untagged enum serde says no more than that nothing fits.
+//! Values of a comparison's TOML file that may be written in two ways, the short one for what is wanted most
+//! often. Read by visitors of their own: of an untagged enum serde says no more than that nothing fits.
 
 use crate::place::Place;
 use crate::views::{Choice, Viewpoint};
@@ -12,7 +12,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::{Formatter, Result as Written};
 
 /// A method that takes part: `"hbao"`, or `{ name = "hbao", qualities = ["low", "ultra"] }`, or
-/// `{ name = "gtao", parameters = { slices.thickness = 0.5 } }`, or `{ name = "learned", model = "runs/ao" }`.
+/// `{ name = "gtao", parameters = { slices.thickness = 0.5 } }`, or
+/// `{ name = "learned", model = "runs/ao" }`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MethodChoice {
     /// Its name.

@@ -28,24 +28,25 @@ pub struct Additions {
     /// Depth that the lens focuses, metres; by default that of what is in the middle of the picture.
     #[arg(long, value_parser = crate::arguments::positive)]
     pub focus: Option<f32>,
-    /// Densities of a medium: a Mitsuba volume (.vol), or a description (.toml) of an array of numbers (.npy, raw) or of clouds,
-    /// smoke or a fog bank, which drift and change with --time.
+    /// Densities of a medium: a Mitsuba volume (.vol), or a description (.toml) of an array of numbers (.npy,
+    /// raw) or of clouds, smoke or a fog bank, which drift and change with --time.
     #[arg(long)]
     pub medium: Option<PathBuf>,
-    /// Extinction where the medium's density is 1, per metre: one number, or red,green,blue. Without --medium it is that
-    /// of fog all over the scene.
+    /// Extinction where the medium's density is 1, per metre: one number, or red,green,blue. Without --medium
+    /// it is that of fog all over the scene.
     #[arg(long, value_parser = colour)]
     pub extinction: Option<Vec3>,
-    /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue; 0.9 by
-    /// default.
+    /// Share of the extinction that is scattering, the rest being absorption: one number, or red,green,blue;
+    /// 0.9 by default.
     #[arg(long, value_parser = colour)]
     pub scattering_albedo: Option<Vec3>,
-    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99; 0 by default.
+    /// Mean cosine of the angle by which the medium scatters (Henyey-Greenstein), from -0.99 to 0.99; 0 by
+    /// default.
     #[arg(long)]
     pub anisotropy: Option<f32>,
     /// How far light goes within every material before it is scattered or absorbed, metres: one number, or
-    /// red,green,blue. By default what the scene's materials say, and where none says anything 6, 4 and 3 pixels (at 512
-    /// rows) of what is in the middle of the picture.
+    /// red,green,blue. By default what the scene's materials say, and where none says anything 6, 4 and 3
+    /// pixels (at 512 rows) of what is in the middle of the picture.
     #[arg(long, value_parser = colour)]
     pub mean_free_path: Option<Vec3>,
     /// What glows: a file (.toml) that says which materials keep light, and when lamps shine; the book's

@@ -14,7 +14,8 @@ fn moves(source: &SceneSource) -> Result<bool, SceneError> {
     }
 }
 
-/// A scene at the moment of its glow, with poses of the past where something in it moves: of stretches of time that matter alike.
+/// A scene at the moment of its glow, with poses of the past where something in it moves: of stretches of
+/// time that matter alike.
 ///
 /// # Errors
 /// If a file cannot be read any more, or a vertex is nowhere at a moment.

@@ -16,7 +16,8 @@ pub fn figure_name(folder: &Path) -> String {
     name_of(folder).replace('-', "_")
 }
 
-/// The figures of a network: `ssim_<network>`, `ssim_<network>_<rival>`, `ceiling_<network>`, `frames_<network>`, ...
+/// The figures of a network: `ssim_<network>`, `ssim_<network>_<rival>`, `ceiling_<network>`,
+/// `frames_<network>`, ...
 pub fn set_figures(figures: &mut Figures, network: &str, evaluation: &Evaluation) {
     for (name, estimate) in evaluation.estimates() {
         figures.set(&of_network(network, name), estimate.mean);

@@ -1,4 +1,5 @@
-//! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a page.
+//! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a
+//! page.
 
 use super::names::{figure_name, name_of, set_figures};
 use super::outcome::Judgement;

@@ -1,4 +1,5 @@
-//! The networks as a page: the table, and of each network the frames on which it is best, in the middle and worst.
+//! The networks as a page: the table, and of each network the frames on which it is best, in the middle and
+//! worst.
 
 use super::networks::Row;
 use super::score::Sight;

@@ -1,6 +1,7 @@
 //! `deepshade eval --results`: one file with what every network came to, each as its last evaluation left it.
 //!
-//! `{"networks": {NETWORK: {...}}}`: of each network its figures, how sure they are, and what they were measured on.
+//! `{"networks": {NETWORK: {...}}}`: of each network its figures, how sure they are, and what they were
+//! measured on.
 
 use super::names::{of_network, set_figures};
 use super::score::Evaluation;

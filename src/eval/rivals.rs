@@ -11,8 +11,8 @@ use deepshade_shaders::gpu::Gpu;
 
 /// A method under the name that figures have for it.
 pub struct Rival {
-    /// Of an analytic method at another quality than the default one, the quality is part of it: `hbao_low`; and so is
-    /// what is set by hand: `gtao_blur_radius_2`.
+    /// Of an analytic method at another quality than the default one, the quality is part of it: `hbao_low`;
+    /// and so is what is set by hand: `gtao_blur_radius_2`.
     pub name: String,
     /// The method's own name.
     pub method_name: &'static str,

@@ -1,4 +1,5 @@
-//! Scores of an effect's methods on the frames of a test set: overall, and by where scenes are from, their kind and scene.
+//! Scores of an effect's methods on the frames of a test set: overall, and by where scenes are from, their
+//! kind and scene.
 
 use super::rivals::Rival;
 use crate::methods::LEARNED;
@@ -52,7 +53,8 @@ impl Evaluation {
         self.overall.iter().map(|(name, values)| (name.as_str(), estimate(values))).collect()
     }
 
-    /// Means of the parts of the scenes: `origins` (procedural or files), `kinds` (families and files), `scenes`.
+    /// Means of the parts of the scenes: `origins` (procedural or files), `kinds` (families and files),
+    /// `scenes`.
     pub fn parts(&self) -> BTreeMap<&'static str, BTreeMap<&str, Value>> {
         let means = |table: &Table| -> Value {
             table.iter().map(|(name, values)| (name.clone(), json!(estimate(values).mean))).collect()

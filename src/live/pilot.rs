@@ -54,7 +54,8 @@ impl Pilot {
         self.camera.position += self.camera.rotation * way;
     }
 
-    /// Moves by a share of the distance to what it goes around, as one drags that by so many heights of the image.
+    /// Moves by a share of the distance to what it goes around, as one drags that by so many heights of the
+    /// image.
     pub fn pan(&mut self, drag: Vec2) {
         let height = 2.0 * (0.5 * self.camera.vertical_fov).tan() * self.distance;
         self.fly(Vec3::new(-drag.x, drag.y, 0.0) * height);

@@ -30,16 +30,18 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(next_help_heading = "Animation")]
 pub struct Sequence {
-    /// Renders a sequence of images on the GPU by a live method, a PNG file a frame in the folder --out, instead of
-    /// one picture of truth.
+    /// Renders a sequence of images on the GPU by a live method, a PNG file a frame in the folder --out,
+    /// instead of one picture of truth.
     ///
-    /// In the end it says what each pass took, milliseconds (median), and how much a method's images flicker: the mean
-    /// change of what is seen of a surface from one frame to the next, camera and scene having moved on, as a share of
-    /// white (a value of 1 of the image under one exposure). 0 is calm, smaller is better; --temporal makes it smaller.
+    /// In the end it says what each pass took, milliseconds (median), and how much a method's images flicker:
+    /// the mean change of what is seen of a surface from one frame to the next, camera and scene having moved
+    /// on, as a share of white (a value of 1 of the image under one exposure). 0 is calm, smaller is better;
+    /// --temporal makes it smaller.
     #[arg(long)]
     animate: bool,
-    /// What computes the images, of --effect, by default its first method on the GPU (fog-direct: volume-shell,
-    /// gpu-epipolar, gpu-march or froxel); `light` is direct light alone, the default where --effect has no method that runs live.
+    /// What computes the images, of --effect, by default its first method on the GPU (fog-direct:
+    /// volume-shell, gpu-epipolar, gpu-march or froxel); `light` is direct light alone, the default where
+    /// --effect has no method that runs live.
     #[arg(long)]
     method: Option<String>,
     /// How much time the method may take for a better image: low, medium, high or ultra; high by default.
@@ -173,7 +175,8 @@ pub fn run(args: &Args) -> Result<()> {
 struct Report {
     /// Median milliseconds of each pass.
     passes: Vec<(String, f64)>,
-    /// Mean change of surfaces from frame to frame, of exposed images; `None` of direct light and of a single frame.
+    /// Mean change of surfaces from frame to frame, of exposed images; `None` of direct light and of a single
+    /// frame.
     flicker: Option<f64>,
 }
 

@@ -13,8 +13,8 @@ use std::fmt;
 pub enum Exposure {
     /// As they are.
     Plain,
-    /// Light, divided by `middle` and multiplied by 0.18, then compressed so that `white` becomes 1 (Reinhard et al.
-    /// 2002, equations 2 and 4; their key is 0.18).
+    /// Light, divided by `middle` and multiplied by 0.18, then compressed so that `white` becomes 1 (Reinhard
+    /// et al. 2002, equations 2 and 4; their key is 0.18).
     Tone {
         /// Luminance that becomes a middle grey: the logarithmic mean.
         middle: f32,
@@ -23,8 +23,8 @@ pub enum Exposure {
     },
 }
 
-/// What is shown of a colour of luminance L: the colour times `scale` (1 + `stretch` l) / (1 + `compression` l), where l
-/// is L times `scale`.
+/// What is shown of a colour of luminance L: the colour times `scale` (1 + `stretch` l) / (1 + `compression`
+/// l), where l is L times `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve {
     /// Factor of all light.
@@ -39,8 +39,8 @@ pub struct Curve {
 const KEY: f32 = 0.18;
 
 impl Exposure {
-    /// The exposure of an image: plain for shares of a hemisphere, by its own brightness for light, and so that `white`
-    /// becomes 1, without compression, where that is given.
+    /// The exposure of an image: plain for shares of a hemisphere, by its own brightness for light, and so
+    /// that `white` becomes 1, without compression, where that is given.
     pub fn new(effect: Effect, image: &Planes, white: Option<f32>) -> Self {
         if let Some(white) = white {
             return Self::Tone { middle: KEY * white, white: f32::INFINITY };

@@ -1,5 +1,5 @@
-//! Colour maps whose lightness grows evenly with what they show: straight lines in Oklab (Ottosson 2020), given by
-//! lightness, chroma and hue. Both are dark where there is no error.
+//! Colour maps whose lightness grows evenly with what they show: straight lines in Oklab (Ottosson 2020),
+//! given by lightness, chroma and hue. Both are dark where there is no error.
 
 use deepshade_shaders::colour::srgb_byte;
 use glam::{Mat3, Vec3};

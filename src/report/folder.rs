@@ -1,5 +1,5 @@
-//! The folder of a report: whose it is, and clearing away what an earlier report left in it, and nothing else that people
-//! keep there.
+//! The folder of a report: whose it is, and clearing away what an earlier report left in it, and nothing else
+//! that people keep there.
 
 use super::record::{FrameRecord, RECORD};
 use super::{PAGE, images};
@@ -35,8 +35,8 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Takes a folder, which is made where it is missing. An earlier page goes first and the new one is written last, so that
-    /// a page never shows what is not there or is from another comparison.
+    /// Takes a folder, which is made where it is missing. An earlier page goes first and the new one is
+    /// written last, so that a page never shows what is not there or is from another comparison.
     ///
     /// # Errors
     /// If it holds something else, is in use, or cannot be written to.

@@ -1,7 +1,7 @@
 //! The report's images: what methods made, how it differs from truth, and FLIP.
 //!
-//! PNG files show linear values, exposed as for their scores and encoded as sRGB, one channel as grey, so that they
-//! look on a screen as the values are; EXR files hold the linear values themselves.
+//! PNG files show linear values, exposed as for their scores and encoded as sRGB, one channel as grey, so
+//! that they look on a screen as the values are; EXR files hold the linear values themselves.
 
 use super::colour_map;
 use super::record::TRUTH;
@@ -39,8 +39,8 @@ impl Lit<'_> {
     }
 }
 
-/// Writes truth into its frame's folder: its three views as PNG files, and its values, of which none is lost, as an EXR
-/// file. Its difference and FLIP are those between its two halves: its own noise.
+/// Writes truth into its frame's folder: its three views as PNG files, and its values, of which none is lost,
+/// as an EXR file. Its difference and FLIP are those between its two halves: its own noise.
 ///
 /// # Errors
 /// If a file cannot be written.

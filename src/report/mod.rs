@@ -1,5 +1,6 @@
-//! The comparison report: some frames, each of an effect, several methods, each image against truth. One HTML page that
-//! needs no server and nothing from elsewhere, with its images beside it as PNG and EXR; the same figures as Markdown.
+//! The comparison report: some frames, each of an effect, several methods, each image against truth. One HTML
+//! page that needs no server and nothing from elsewhere, with its images beside it as PNG and EXR; the same
+//! figures as Markdown.
 
 pub mod colour_map;
 pub mod folder;
@@ -35,8 +36,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// Writes the page and the Markdown file beside the frames' images, deletes images of earlier reports, and returns the
-    /// page's path.
+    /// Writes the page and the Markdown file beside the frames' images, deletes images of earlier reports,
+    /// and returns the page's path.
     ///
     /// # Errors
     /// If there is no frame, or a file cannot be written or deleted.

@@ -1,5 +1,5 @@
-//! What is kept of a frame beside its images, in a file among them: what was measured, and from what each image was made,
-//! so that images that are there need not be made again. It is written anew after each image.
+//! What is kept of a frame beside its images, in a file among them: what was measured, and from what each
+//! image was made, so that images that are there need not be made again. It is written anew after each image.
 
 use super::images;
 use crate::figures::write_atomically;
@@ -10,7 +10,8 @@ use deepshade_shaders::Effect;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Name of the file in a frame's folder. TOML, since its reader gives back every digit of a number, and infinite ones.
+/// Name of the file in a frame's folder. TOML, since its reader gives back every digit of a number, and
+/// infinite ones.
 pub const RECORD: &str = "made.toml";
 
 /// The file name of truth's images.
@@ -95,8 +96,8 @@ pub struct Wanted {
 }
 
 impl FrameRecord {
-    /// The record in a frame's folder with those images that are wanted and whole; none where truth is another or not
-    /// whole.
+    /// The record in a frame's folder with those images that are wanted and whole; none where truth is
+    /// another or not whole.
     pub fn kept(out: &Path, folder: &str, key: &str, wanted: &[Wanted]) -> Option<Self> {
         let folder = out.join(folder);
         let text = std::fs::read_to_string(folder.join(RECORD)).ok()?;

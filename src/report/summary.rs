@@ -1,4 +1,5 @@
-//! A comparison's means, line by line: what the terminal, the page, the Markdown file and the JSON file all show.
+//! A comparison's means, line by line: what the terminal, the page, the Markdown file and the JSON file all
+//! show.
 
 use super::record::FrameRecord;
 use super::{Report, floor_name, noise, times};
@@ -56,7 +57,8 @@ impl Kind {
     }
 }
 
-/// A line for each method of some frames of an effect, means over those that have it, and then those to read them beside.
+/// A line for each method of some frames of an effect, means over those that have it, and then those to read
+/// them beside.
 pub fn lines(effect: Effect, frames: &[&FrameRecord]) -> Vec<Line> {
     let mut labels: Vec<&str> = Vec::new();
     for image in frames.iter().flat_map(|frame| &frame.images) {
@@ -201,11 +203,11 @@ impl Line {
 }
 
 impl Report {
-    /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means over
-    /// frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the image of background
-    /// (`ssim_white`, `ssim_black` or `ssim_light`, ...); and every frame's own as a detail. Of several
-    /// effects each figure has the effect's name in it: `ssim_gi_<method>`. A frame's detail names the device
-    /// of each time, and the detail `remarks` has what tables say of an effect.
+    /// Sets `ssim_<method>`, `psnr_<method>`, `flip_<method>`, `relmse_<method>` and `ms_<method>`, means
+    /// over frames, with underscores for hyphens; the same of truth's noise (`ssim_ceiling`, ...) and of the
+    /// image of background (`ssim_white`, `ssim_black` or `ssim_light`, ...); and every frame's own as a
+    /// detail. Of several effects each figure has the effect's name in it: `ssim_gi_<method>`. A frame's
+    /// detail names the device of each time, and the detail `remarks` has what tables say of an effect.
     pub fn set_figures(&self, figures: &mut Figures) {
         let effects = self.effects();
         for effect in &effects {

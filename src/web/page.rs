@@ -39,8 +39,8 @@ struct Shown {
     time: f32,
 }
 
-/// What there is to be shown, as JSON: scenes; effects, each with the methods that can run in a browser and those that
-/// cannot.
+/// What there is to be shown, as JSON: scenes; effects, each with the methods that can run in a browser and
+/// those that cannot.
 #[wasm_bindgen]
 pub fn choices() -> String {
     let effect = |effect: &Effect| {
@@ -55,7 +55,8 @@ pub fn choices() -> String {
     json!({ "effects": effects, "scenes": scenes }).to_string()
 }
 
-/// Every shader of the program, as JSON: its name and its source. Browsers hold WGSL to more rules than programs do.
+/// Every shader of the program, as JSON: its name and its source. Browsers hold WGSL to more rules than
+/// programs do.
 #[wasm_bindgen]
 pub fn shaders() -> String {
     json!(wgsl::all().map(|shader| (shader.name(), shader.source())).collect::<Vec<_>>()).to_string()
@@ -77,7 +78,8 @@ impl Page {
         Ok(Self { gpu, canvas, shown: None, wrong })
     }
 
-    /// What the device has found wrong since this was asked last; a browser says so some time after the mistake.
+    /// What the device has found wrong since this was asked last; a browser says so some time after the
+    /// mistake.
     pub fn wrong(&self) -> Option<String> {
         let list = std::mem::take(&mut *self.wrong.lock().unwrap_or_else(PoisonError::into_inner));
         (!list.is_empty()).then(|| list.join("; "))
@@ -91,8 +93,9 @@ impl Page {
         named.map_or_else(|| kind.to_owned(), |name| format!("{name}, {kind}"))
     }
 
-    /// Prepares what is wished for, as JSON; with the two files of a model's folder where the network takes part. Gives
-    /// the methods, in the order of [`Page::image`], what was added to the scene, and how far the effect reaches.
+    /// Prepares what is wished for, as JSON; with the two files of a model's folder where the network takes
+    /// part. Gives the methods, in the order of [`Page::image`], what was added to the scene, and how far the
+    /// effect reaches.
     ///
     /// # Errors
     /// If there is no such scene or method, or the device refuses.
@@ -139,7 +142,8 @@ impl Page {
         shown.truth = None;
     }
 
-    /// Makes the frame of a moment, seconds. Gives the milliseconds of each pass, as JSON; `null` where they are not known yet.
+    /// Makes the frame of a moment, seconds. Gives the milliseconds of each pass, as JSON; `null` where they
+    /// are not known yet.
     ///
     /// # Errors
     /// If nothing is shown or the device fails.

@@ -41,7 +41,8 @@ impl Truth {
         said(open())
     }
 
-    /// Takes so many more samples of each of eight scramblings, and gives the image so far, `[channels, height, width]`.
+    /// Takes so many more samples of each of eight scramblings, and gives the image so far,
+    /// `[channels, height, width]`.
     pub fn refine(&mut self, count: u32) -> Vec<f32> {
         let (Estimate { mean, .. }, taken) = self.sight.refine(&self.camera, self.taken.take(), count);
         self.taken = Some(taken);

@@ -25,8 +25,8 @@ pub struct StepTimes {
     pub images_per_second: f64,
 }
 
-/// Times `steps` training steps with the config's network, optimiser, batch and crop. A part ends when the device has
-/// done its work, not when it was told to.
+/// Times `steps` training steps with the config's network, optimiser, batch and crop. A part ends when the
+/// device has done its work, not when it was told to.
 ///
 /// # Errors
 /// If the device fails.

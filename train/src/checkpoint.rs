@@ -1,5 +1,5 @@
-//! The state of a run on disk: one safetensors file, replaced as a whole, that a killed run continues from bit for
-//! bit.
+//! The state of a run on disk: one safetensors file, replaced as a whole, that a killed run continues from
+//! bit for bit.
 
 use crate::{TrainError, files};
 use deepshade_infer::weights::LayerWeights;
@@ -36,8 +36,8 @@ pub struct Progress {
     pub waited: usize,
     /// Whether the run ended early because validation got no better.
     pub stopped: bool,
-    /// Validation loss at the step where a run paused between validations, so that a network of its can be exported.
-    /// A run that goes on forgets it, since a pause must not change what is learned.
+    /// Validation loss at the step where a run paused between validations, so that a network of its can be
+    /// exported. A run that goes on forgets it, since a pause must not change what is learned.
     pub pause_loss: Option<f32>,
 }
 

@@ -40,8 +40,8 @@ pub struct TrainConfig {
     /// How pairs are taken from a stream; none where they are a folder's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stream: Option<Endless>,
-    /// What tells the data from others: BLAKE3 hash of the dataset's `manifest.json`, in hexadecimal. Training fills it
-    /// in, and does not go on with a run on other data.
+    /// What tells the data from others: BLAKE3 hash of the dataset's `manifest.json`, in hexadecimal.
+    /// Training fills it in, and does not go on with a run on other data.
     pub data_hash: String,
     /// What is made small.
     #[serde(default)]
@@ -53,8 +53,8 @@ pub struct TrainConfig {
     pub start: Option<PathBuf>,
     /// Images a step.
     pub batch: usize,
-    /// Devices that share the images of a step; at most as many as there are images. Changes how sums are rounded, and nothing
-    /// else of what is learned.
+    /// Devices that share the images of a step; at most as many as there are images. Changes how sums are
+    /// rounded, and nothing else of what is learned.
     #[serde(default = "one")]
     pub devices: usize,
     /// Height and width of the crops, pixels; a multiple of 8.

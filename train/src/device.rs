@@ -8,7 +8,8 @@ pub(crate) use crate::gpu as ops;
 #[cfg(not(feature = "vulkan"))]
 pub(crate) use crate::kernels as ops;
 
-/// The processor, or with the feature `vulkan` the fastest of the adapters that Vulkan finds, which may be a software one.
+/// The processor, or with the feature `vulkan` the fastest of the adapters that Vulkan finds, which may be a
+/// software one.
 ///
 /// # Panics
 /// If there is none, which [`devices`] says first.
@@ -30,8 +31,8 @@ pub fn device_name() -> Result<String, TrainError> {
     return Ok(format!("{} threads", rayon::current_num_threads()));
 }
 
-/// [`device`], or so many. The processor stands for as many as are wanted: burn's `flex` has one device, which takes work from several
-/// threads.
+/// [`device`], or so many. The processor stands for as many as are wanted: burn's `flex` has one device,
+/// which takes work from several threads.
 ///
 /// # Errors
 /// If there are fewer adapters.

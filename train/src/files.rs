@@ -15,8 +15,9 @@ pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     atomic_file::write(path, bytes).map_err(TrainError::io("write", path))
 }
 
-/// Takes a run's folder, which is made where it is missing, for this program alone, as long as what it gives lives: the
-/// metrics, to be appended to, and the note of who has the folder. What a killed program left half-written is deleted.
+/// Takes a run's folder, which is made where it is missing, for this program alone, as long as what it gives
+/// lives: the metrics, to be appended to, and the note of who has the folder. What a killed program left
+/// half-written is deleted.
 ///
 /// # Errors
 /// If another program has the folder, or it cannot be written.
@@ -30,7 +31,8 @@ pub(crate) fn take(folder: &Path) -> Result<(File, Holder), TrainError> {
     Ok((file, Holder::sign(folder)))
 }
 
-/// Whether a program has a run's folder. Without its note the lock is not looked at, which would keep out whoever takes it just then.
+/// Whether a program has a run's folder. Without its note the lock is not looked at, which would keep out
+/// whoever takes it just then.
 #[must_use]
 pub fn is_taken(folder: &Path) -> bool {
     let is_locked = |file: File| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock));

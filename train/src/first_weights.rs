@@ -11,13 +11,13 @@ const IMAGE_SCALE: f64 = 0.01;
 /// The share of their usual deviation that the weights of a residual layer have beside the identity.
 const RESIDUAL_SCALE: f64 = 0.3;
 
-/// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases are 0. The layer
-/// that makes the image starts near the effect's background, with weights a hundredth of that and the background as its
-/// bias: far from the target, structural similarity hardly has a gradient. For the same reason a network whose effect
-/// filters light starts with the image that it is given, and one that corrects an estimate with the estimate.
-/// Where kernels are predicted all weights are random: a softmax that starts near that image, with one weight
-/// far above all others, has no gradient by which to leave it. A layer of kernels that reads a layer as wide
-/// as itself is residual: it starts near the identity.
+/// Random weights: normal, of variance `2 / ((1 + leak^2) * fan-in)` (He et al. 2015, equation 15); biases
+/// are 0. The layer that makes the image starts near the effect's background, with weights a hundredth of
+/// that and the background as its bias: far from the target, structural similarity hardly has a gradient. For
+/// the same reason a network whose effect filters light starts with the image that it is given, and one that
+/// corrects an estimate with the estimate. Where kernels are predicted all weights are random: a softmax that
+/// starts near that image, with one weight far above all others, has no gradient by which to leave it. A
+/// layer of kernels that reads a layer as wide as itself is residual: it starts near the identity.
 pub fn first_weights(spec: &NetSpec, seed: u64) -> Weights {
     let mut weights = random_weights(spec, seed);
     if spec.effect.definition().filters_light && spec.head == Head::Image {
@@ -61,8 +61,8 @@ fn is_residual(layer: &Layer) -> bool {
     plain && layer.groups == 1 && layer.kernel > 1 && layer.inputs == layer.outputs
 }
 
-/// Makes the first kernels of the first layer hand on the channels of light, which no activation changes as no light is
-/// negative, and the last layer add them to its image.
+/// Makes the first kernels of the first layer hand on the channels of light, which no activation changes as
+/// no light is negative, and the last layer add them to its image.
 fn pass_light(layers: &[Layer], lights: &[usize], weights: &mut Weights) {
     let (Some(first), Some(last), [down, .., up]) = (layers.first(), layers.last(), &mut weights.0[..])
     else {

@@ -1,4 +1,5 @@
-//! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and step only.
+//! Batches: pairs decoded, cropped and turned on threads of their own, in an order that depends on seed and
+//! step only.
 
 use crate::feed::Feed;
 use crate::loss::Target;
@@ -263,7 +264,8 @@ mod tests {
         let scale = Scale { scaling: Scaling { length: 1.0, light: 0.5 }, exposure: 3.0 };
         batch.push(&pair, scale, &spec, 2);
         batch.push(&pair, Scale::new(&pair, &spec).expect("there is light"), &spec, 0);
-        // The light of the first is halved, of the second that of the brightest but one is 1, as its target is.
+        // The light of the first is halved, of the second that of the brightest but one is 1, as its target
+        // is.
         assert_eq!(batch.input, [1.0, 2.0, 1.0, 2.0 / 3.0]);
         assert_eq!((batch.target, batch.exposure), (vec![3.0 * 0.2, 0.0], vec![6.0, 30.0]));
         assert_eq!(batch.variance, [9.0 * 0.02, 0.0]);

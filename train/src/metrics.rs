@@ -42,8 +42,8 @@ pub fn read(folder: &Path) -> Result<Vec<Line>, TrainError> {
     Ok(whole_lines(&bytes).map(|(line, _)| line).collect())
 }
 
-/// The lines at the head of a file that are whole, each with its number of bytes. One that a killed run left half-written
-/// is no JSON, or lacks its end.
+/// The lines at the head of a file that are whole, each with its number of bytes. One that a killed run left
+/// half-written is no JSON, or lacks its end.
 fn whole_lines(bytes: &[u8]) -> impl Iterator<Item = (Line, u64)> {
     let texts = bytes.split_inclusive(|byte| *byte == b'\n').take_while(|text| text.ends_with(b"\n"));
     texts.map_while(|text| Some((serde_json::from_slice(text).ok()?, text.len() as u64)))
@@ -58,8 +58,8 @@ pub(crate) struct Metrics {
 }
 
 impl Metrics {
-    /// The metrics of a run whose folder was [taken](files::take), up to a step: what came after the checkpoint is
-    /// measured again.
+    /// The metrics of a run whose folder was [taken](files::take), up to a step: what came after the
+    /// checkpoint is measured again.
     ///
     /// # Errors
     /// If the file cannot be read or written.

@@ -63,8 +63,8 @@ impl UNet {
         Weights(self.convs.iter().map(layer).collect())
     }
 
-    /// Images of any size: the input is padded with its edge to a multiple of [`NetSpec::alignment`] to the right
-    /// and below, and the output cut back.
+    /// Images of any size: the input is padded with its edge to a multiple of [`NetSpec::alignment`] to the
+    /// right and below, and the output cut back.
     ///
     /// # Shapes
     /// `[batch, input channels, height, width]` to `[batch, effect's channels, height, width]`.

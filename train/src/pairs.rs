@@ -1,4 +1,5 @@
-//! Where pairs come from, and pairs as training keeps them: only what the network reads and is held against, as half floats.
+//! Where pairs come from, and pairs as training keeps them: only what the network reads and is held against,
+//! as half floats.
 
 use crate::TrainError;
 use deepshade_dataset::{Dataset, Manifest, Pair, with_estimates};
@@ -54,8 +55,8 @@ impl PairSource for Dataset {
     }
 }
 
-/// A pair as half floats: the channels that a network reads, validity, and the target with the root of its variance, which
-/// half floats hold where they would round variance to nothing.
+/// A pair as half floats: the channels that a network reads, validity, and the target with the root of its
+/// variance, which half floats hold where they would round variance to nothing.
 #[derive(Debug)]
 pub struct HalfPair {
     attributes: Vec<Attribute>,

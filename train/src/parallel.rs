@@ -1,10 +1,11 @@
-//! Data-parallel steps: the images of a batch are shared out over devices, each with the network's weights, and the
-//! gradients of all are summed.
+//! Data-parallel steps: the images of a batch are shared out over devices, each with the network's weights,
+//! and the gradients of all are summed.
 //!
-//! burn's collective operations (`DistributedContext`) are for CUDA and remote devices alone in 0.22. This is what its
-//! learner does on all others: a fork of the network a device, gradients brought to the first and accumulated there. Shares
-//! are summed in the order of the devices, whichever is done first, so that a run gives the same bits each time. With
-//! another number of devices sums are rounded otherwise: see the test for how far.
+//! burn's collective operations (`DistributedContext`) are for CUDA and remote devices alone in 0.22. This is
+//! what its learner does on all others: a fork of the network a device, gradients brought to the first and
+//! accumulated there. Shares are summed in the order of the devices, whichever is done first, so that a run
+//! gives the same bits each time. With another number of devices sums are rounded otherwise: see the test for
+//! how far.
 
 use crate::Loss;
 use crate::loader::{Batch, Tensors};

@@ -1,5 +1,5 @@
-//! The network's operations written with burn's tensors: what the kernels of processor (`kernels`) and GPU (`gpu`) are tested
-//! against, and the head that corrects an estimate, of which data alone have no gradient.
+//! The network's operations written with burn's tensors: what the kernels of processor (`kernels`) and GPU
+//! (`gpu`) are tested against, and the head that corrects an estimate, of which data alone have no gradient.
 
 #[cfg(test)]
 mod convolve;

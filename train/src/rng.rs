@@ -1,5 +1,5 @@
-//! Counter-based random numbers: a number is a function of its seed and of what it is for, so that a run that is
-//! resumed draws what it would have drawn.
+//! Counter-based random numbers: a number is a function of its seed and of what it is for, so that a run that
+//! is resumed draws what it would have drawn.
 
 use deepshade_shaders::split_mix::{STEP, finalised};
 

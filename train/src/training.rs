@@ -59,8 +59,8 @@ pub struct Outcome {
 /// Trains a network on a dataset, in a folder of its own, or goes on with the run that lies there.
 ///
 /// # Errors
-/// If the config makes no sense, it or the data are not those of the run in the folder, another program has the folder,
-/// a file cannot be read or written, or the loss is no number any more.
+/// If the config makes no sense, it or the data are not those of the run in the folder, another program has
+/// the folder, a file cannot be read or written, or the loss is no number any more.
 pub fn train(config: &TrainConfig, folder: &Path) -> Result<Outcome, TrainError> {
     config.check()?;
     let dataset = Dataset::open(&config.dataset)?;
@@ -325,7 +325,8 @@ impl<'a> Run<'a> {
         Ok(self.progress.stopped)
     }
 
-    /// Saves a run whose time is up, and measures what it has learned where a step has not been validated already.
+    /// Saves a run whose time is up, and measures what it has learned where a step has not been validated
+    /// already.
     fn pause(&mut self) -> Result<(), TrainError> {
         let step = self.progress.step;
         if !step.is_multiple_of(self.config.validate_every) {
@@ -349,8 +350,9 @@ impl<'a> Run<'a> {
         Ok(loss)
     }
 
-    /// Mean structural dissimilarity on the views held apart, whole images, whatever the loss is that is trained for. The noise of
-    /// their targets is taken off where it is known, so that data with and without that are not to be compared by it.
+    /// Mean structural dissimilarity on the views held apart, whole images, whatever the loss is that is
+    /// trained for. The noise of their targets is taken off where it is known, so that data with and without
+    /// that are not to be compared by it.
     fn validation_loss(&self, weights: &Weights) -> Result<f32, TrainError> {
         let device = crate::device();
         let net = UNet::from_weights(&self.config.spec, weights, &device);
@@ -396,7 +398,8 @@ fn first_weights(config: &TrainConfig) -> Result<Option<Weights>, TrainError> {
     let Model { spec, weights } = Model::load(folder)?;
     let own = &config.spec;
     let (its, wanted) = (last_layer(&spec), last_layer(own));
-    // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of it.
+    // Weights mean the same in a network that reads the same in the same order, whatever it learns to make of
+    // it.
     let alike = NetSpec { effect: own.effect, reach: own.reach, trained: None, environment: None, ..spec };
     if alike == *own && weights.fit(own) {
         return Ok(Some(weights));

@@ -1,5 +1,5 @@
-//! Runs on made-up pairs: interrupted, paused, killed, on other numbers of threads, they all learn the same, bit for
-//! bit; and what of a run is exported.
+//! Runs on made-up pairs: interrupted, paused, killed, on other numbers of threads, they all learn the same,
+//! bit for bit; and what of a run is exported.
 
 use deepshade_dataset::Pair;
 use deepshade_infer::{ChannelOrder, Model, NetSpec, Reach, TrainedUnder, Weights};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// Pairs of which the target is a function of the normal; reading takes a while, and fails once `reads` are used up.
+/// Pairs whose target is a function of the normal. Reading is slow, and fails once `reads` are used up.
 struct Synthetic {
     name: &'static str,
     reads: AtomicUsize,
@@ -137,8 +137,8 @@ fn threads_and_memory_change_nothing() {
     assert_ne!(other.weights, expected.weights);
 }
 
-/// On several devices a run is the same each time, and but for rounding that of one device: the same to the last bit where
-/// shares are equal powers of two, as the kernels add images up by halves.
+/// On several devices a run is the same each time, and but for rounding that of one device: the same to the
+/// last bit where shares are equal powers of two, as the kernels add images up by halves.
 #[test]
 fn devices_share_a_batch_and_learn_the_same() {
     for optimiser in [ADAMW, Optimiser::ADADELTA] {

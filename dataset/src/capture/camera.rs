@@ -15,8 +15,8 @@ pub struct CaptureCamera {
     pub size: [usize; 2],
     /// What a metre is in the depth images.
     pub depth_scale: f32,
-    /// Whether its poses are of a camera whose y goes up and not down: what a negative focal length in the file means, as
-    /// ICL-NUIM has it. Such poses are left-handed.
+    /// Whether its poses are of a camera whose y goes up and not down: what a negative focal length in the
+    /// file means, as ICL-NUIM has it. Such poses are left-handed.
     pub y_up: bool,
 }
 
@@ -69,7 +69,8 @@ impl Stated {
 }
 
 impl CaptureCamera {
-    /// That of a `camera.toml`, with the layout's depth scale where the file has none; `None` if there is no such file.
+    /// That of a `camera.toml`, with the layout's depth scale where the file has none; `None` if there is no
+    /// such file.
     ///
     /// # Errors
     /// If the file cannot be read, lacks a key or states what no camera has.
@@ -95,8 +96,8 @@ impl CaptureCamera {
         stated.camera(depth_scale).map_err(|what| CaptureError::invalid(path, what))
     }
 
-    /// That of one of the three Kinects of the TUM benchmark, which the names of its sequences tell (`..._freiburg1_...`);
-    /// calibrated colour intrinsics as published with it.
+    /// That of one of the three Kinects of the TUM benchmark, which the names of its sequences tell
+    /// (`..._freiburg1_...`); calibrated colour intrinsics as published with it.
     pub fn of_tum(folder: &Path, depth_scale: f32) -> Option<Self> {
         let known = [
             ("freiburg1", [517.3, 516.5, 318.6, 255.3]),

@@ -1,4 +1,5 @@
-//! Captures: aligned colour and depth images of a real camera, with what the camera was and, where known, where it stood.
+//! Captures: aligned colour and depth images of a real camera, with what the camera was and, where known,
+//! where it stood.
 
 mod camera;
 pub mod error;
@@ -42,7 +43,8 @@ struct FrameFiles {
 pub struct CaptureFrame {
     /// Radiance, `[3, height, width]`, of which 1 is white.
     pub colour: Planes,
-    /// Depth along the view's axis, `[1, height, width]`, metres; 0 where there is none. Its pixels are those of `colour`.
+    /// Depth along the view's axis, `[1, height, width]`, metres; 0 where there is none. Its pixels are those
+    /// of `colour`.
     pub depth: Planes,
     /// When, seconds, by the camera's clock.
     pub time: Option<f64>,
@@ -54,7 +56,8 @@ impl Capture {
     /// Lists the frames of a folder that is laid out as the TUM benchmark's or as Open3D's.
     ///
     /// # Errors
-    /// If it is laid out otherwise, holds no frame, a list in it is damaged, or nothing says what the camera was.
+    /// If it is laid out otherwise, holds no frame, a list in it is damaged, or nothing says what the camera
+    /// was.
     pub fn open(folder: &Path) -> Result<Self, CaptureError> {
         if tum::is_in(folder) {
             tum::open(folder)
@@ -75,7 +78,8 @@ impl Capture {
         self.frames.len()
     }
 
-    /// BLAKE3 hash, in hexadecimal, of the camera and of the images of some frames: what tells a capture from others.
+    /// BLAKE3 hash, in hexadecimal, of the camera and of the images of some frames: what tells a capture from
+    /// others.
     ///
     /// # Errors
     /// If an image cannot be read.

@@ -1,5 +1,5 @@
-//! The layout of Open3D's recordings and of its data: the folders `color` and `depth` with images of the same names, the
-//! intrinsics in a JSON file, and `trajectory.log`, where known, with a 4 x 4 matrix a frame.
+//! The layout of Open3D's recordings and of its data: the folders `color` and `depth` with images of the same
+//! names, the intrinsics in a JSON file, and `trajectory.log`, where known, with a 4 x 4 matrix a frame.
 
 use super::tables::{lines, text};
 use super::{Capture, CaptureCamera, CaptureError, FrameFiles, Pose};
@@ -20,7 +20,8 @@ pub fn is_in(folder: &Path) -> bool {
 /// Lists the frames of a folder.
 ///
 /// # Errors
-/// If there are none, one lacks its colour or its depth image, the trajectory is damaged, or nothing says what the camera was.
+/// If there are none, one lacks its colour or its depth image, the trajectory is damaged, or nothing says
+/// what the camera was.
 pub fn open(folder: &Path) -> Result<Capture, CaptureError> {
     let file = CAMERAS.iter().map(|name| folder.join(name)).find(|path| path.is_file());
     let wanted = "camera_intrinsic.json, camera_primesense.json or intrinsic.json would";

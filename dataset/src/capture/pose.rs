@@ -12,8 +12,9 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// That of a camera that looks down its +z, from its axes and place in world space. With y down everything is
-    /// right-handed, and the world stays as it is. With y up both are left-handed: the world is mirrored, z for -z.
+    /// That of a camera that looks down its +z, from its axes and place in world space. With y down
+    /// everything is right-handed, and the world stays as it is. With y up both are left-handed: the world is
+    /// mirrored, z for -z.
     pub fn looking_forwards(position: Vec3, rotation: Mat3, y_up: bool) -> Self {
         if y_up {
             let mirror = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));

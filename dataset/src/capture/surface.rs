@@ -1,11 +1,12 @@
 //! From a depth image to what networks read: positions, normals and where there are any.
 //!
-//! The inverse of the depth of a plane is an affine function of the pixel, whatever the plane's tilt; so the normal comes
-//! from the straight line through the inverse depths of a window, by least squares, and is exact for planes. A structured-light
-//! sensor measures disparity, which is inverse depth: its noise is alike over the window.
+//! The inverse of the depth of a plane is an affine function of the pixel, whatever the plane's tilt; so the
+//! normal comes from the straight line through the inverse depths of a window, by least squares, and is exact
+//! for planes. A structured-light sensor measures disparity, which is inverse depth: its noise is alike over
+//! the window.
 //!
-//! The window does not cross depth edges: a pixel belongs to it if it is reached from the middle in steps from neighbour
-//! to neighbour, none of which is higher than the sensor's noise and a steep surface explain.
+//! The window does not cross depth edges: a pixel belongs to it if it is reached from the middle in steps
+//! from neighbour to neighbour, none of which is higher than the sensor's noise and a steep surface explain.
 
 use super::Intrinsics;
 use crate::sensor::axial_noise;
@@ -15,7 +16,8 @@ use rayon::prelude::*;
 
 /// What a depth image is turned into.
 pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Valid];
-/// Half the angle that a window spans, radians: 12 mm at one metre, which averages a Kinect's noise to about two degrees.
+/// Half the angle that a window spans, radians: 12 mm at one metre, which averages a Kinect's noise to about
+/// two degrees.
 const WINDOW: f32 = 0.0115;
 /// Least radius of a window, pixels.
 const LEAST_RADIUS: f32 = 2.0;
@@ -28,15 +30,15 @@ const STEEPEST: f32 = 3.73;
 /// Standard deviations of the sensor's noise in a step that is no edge.
 const DEVIATIONS: f32 = 3.0;
 
-/// How much the depths of neighbouring pixels on one surface may differ, metres, at a depth in metres and a focal length in
-/// pixels.
+/// How much the depths of neighbouring pixels on one surface may differ, metres, at a depth in metres and a
+/// focal length in pixels.
 pub fn highest_step(depth: f32, focal: f32) -> f32 {
     DEVIATIONS * std::f32::consts::SQRT_2 * axial_noise(depth) + STEEPEST * depth / focal
 }
 
-/// The [`ATTRIBUTES`] of a depth image, `[1, height, width]`, metres along the view's axis, 0 where there is none: in camera
-/// space, y up, looking down -z, normals facing the camera. Where there is no depth, or too few pixels of the same surface
-/// around it, all of them are 0.
+/// The [`ATTRIBUTES`] of a depth image, `[1, height, width]`, metres along the view's axis, 0 where there is
+/// none: in camera space, y up, looking down -z, normals facing the camera. Where there is no depth, or too
+/// few pixels of the same surface around it, all of them are 0.
 pub fn surface(depth: &Planes, intrinsics: &Intrinsics) -> GBuffer {
     let width = depth.width();
     let window = Window::of(intrinsics);
@@ -120,8 +122,8 @@ impl Window {
             line.add(DVec2::new(f64::from(*dx), f64::from(*dy)), 1.0 / f64::from(here));
         }
         let (slope, inverse) = line.fitted(LEAST_SHARE * self.offsets.len() as f64)?;
-        // With x and y the pixel and 1 / Z = a x + b y + c, the plane's points fulfil
-        // a fx X - b fy Y + (a cx + b cy + c) Z = 1, which makes the left side's factors a normal, away from the camera.
+        // With x and y the pixel and 1 / Z = a x + b y + c, the plane's points fulfil a fx X - b fy Y + (a cx
+        // + b cy + c) Z = 1, which makes the left side's factors a normal, away from the camera.
         let Intrinsics { fx, fy, centre } = *intrinsics;
         let to_centre = centre.as_dvec2() - DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
         let along_axis = slope.dot(to_centre) + inverse;

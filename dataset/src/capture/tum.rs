@@ -1,9 +1,9 @@
-//! The layout of the TUM RGB-D benchmark (Sturm et al. 2012): `rgb.txt` and `depth.txt` with a time and a file a line, and
-//! `groundtruth.txt`, where known, with a time, a place and a quaternion a line. Which depth image belongs to which colour
-//! image, time tells.
+//! The layout of the TUM RGB-D benchmark (Sturm et al. 2012): `rgb.txt` and `depth.txt` with a time and a
+//! file a line, and `groundtruth.txt`, where known, with a time, a place and a quaternion a line. Which depth
+//! image belongs to which colour image, time tells.
 //!
-//! The camera is that of `camera.toml` (`width`, `height`, `fx`, `fy`, `cx`, `cy`, and `depth_scale`, if it is not 5000), else
-//! the benchmark's own by the folder's name.
+//! The camera is that of `camera.toml` (`width`, `height`, `fx`, `fy`, `cx`, `cy`, and `depth_scale`, if it
+//! is not 5000), else the benchmark's own by the folder's name.
 
 use super::tables::{Line, lines, text};
 use super::{Capture, CaptureCamera, CaptureError, FrameFiles, Pose};

@@ -5,7 +5,8 @@ use deepshade_render::scene::Camera;
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{Mat3, Vec3};
 
-/// The largest window of an image's shape in the middle of a capture's images, and the pixels of that image in it.
+/// The largest window of an image's shape in the middle of a capture's images, and the pixels of that image
+/// in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Pixels of the capture in one of the image, along either edge; at least 1.
@@ -25,8 +26,8 @@ impl View {
         (scale >= 1.0).then_some(Self { scale, corner, size: [height, width] })
     }
 
-    /// Surfaces and radiance of a frame. Surfaces are those of the pixels in the middle, since a mean would lie beside
-    /// both sides of an edge; colours are means.
+    /// Surfaces and radiance of a frame. Surfaces are those of the pixels in the middle, since a mean would
+    /// lie beside both sides of an edge; colours are means.
     pub fn pair(&self, frame: &CaptureFrame, camera: &CaptureCamera) -> (GBuffer, Planes) {
         let whole = surface(&frame.depth, &camera.intrinsics);
         let [height, width] = self.size;
@@ -46,7 +47,8 @@ impl View {
         (GBuffer::new(whole.attributes().to_vec(), middles), colours)
     }
 
-    /// The camera of the image, as far as one whose axis goes through the middle can be it; without a pose, at the origin.
+    /// The camera of the image, as far as one whose axis goes through the middle can be it; without a pose,
+    /// at the origin.
     pub fn camera(&self, frame: &CaptureFrame, camera: &CaptureCamera) -> Camera {
         let rows = self.scale * self.size[0] as f32;
         let (position, rotation) =

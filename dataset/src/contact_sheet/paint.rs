@@ -60,8 +60,8 @@ fn signed(value: f32) -> Rgb {
     end.map(|channel: f32| byte(channel * value.abs()))
 }
 
-/// The colour of a direction in [0, pi) and a share of the greatest length. Opposite directions are the same, so that
-/// half a turn goes once around the hues.
+/// The colour of a direction in [0, pi) and a share of the greatest length. Opposite directions are the same,
+/// so that half a turn goes once around the hues.
 fn wheel(direction: f32, length: f32) -> [f32; 3] {
     let hue = direction / std::f32::consts::PI;
     [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|offset| {

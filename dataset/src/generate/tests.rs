@@ -105,8 +105,8 @@ fn a_killed_run_ends_with_the_bytes_of_an_undisturbed_one() {
     let manifest = Manifest::load(&out).expect("a manifest");
     let [first, second, third, fourth] = manifest.pairs.as_slice() else { unreachable!("four pairs") };
 
-    // Killed while the third line was written: one pair is journalled and whole, one journalled and damaged, one
-    // without its line, one not there, and a temporary file is left over in each folder.
+    // Killed while the third line was written: one pair is journalled and whole, one journalled and damaged,
+    // one without its line, one not there, and a temporary file is left over in each folder.
     std::fs::remove_file(out.join(MANIFEST)).expect("removed");
     let json = |record: &PairRecord| serde_json::to_string(record).expect("JSON");
     let cut_off = &json(third)[..40];

@@ -1,5 +1,5 @@
-//! What makes a recipe sound: values within limits, keys that mean something, families and scene files that are for
-//! what the recipe is for.
+//! What makes a recipe sound: values within limits, keys that mean something, families and scene files that
+//! are for what the recipe is for.
 
 use super::drawn::SIZE_STEP;
 use super::{FamilyShare, FieldOfView, Radius, Recipe, Resolution, Sequence, Viewpoint, Views, split_name};
@@ -229,8 +229,8 @@ impl Recipe {
         Ok(())
     }
 
-    /// Whether no scene file of a training recipe is also in one of its test recipes, whose files are in `scenes` or,
-    /// without it, where each of these recipes is.
+    /// Whether no scene file of a training recipe is also in one of its test recipes, whose files are in
+    /// `scenes` or, without it, where each of these recipes is.
     pub(super) fn check_files(&self, scenes: Option<&Path>) -> Result<(), DatasetError> {
         if self.test_recipes.is_empty() {
             return Ok(());

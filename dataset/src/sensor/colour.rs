@@ -1,8 +1,9 @@
 //! Colours of a small camera: noise of photons and of reading them out, and bytes.
 //!
-//! The linear model of the EMVA Standard 1288: electrons are as many as photons bring, with a Poisson distribution, plus
-//! normal noise of the circuit; so many of them are white. The Poisson distribution is taken as the normal one of its variance
-//! (Foi, Trimeche, Katkovnik and Egiazarian 2008), which differs where there are few electrons.
+//! The linear model of the EMVA Standard 1288: electrons are as many as photons bring, with a Poisson
+//! distribution, plus normal noise of the circuit; so many of them are white. The Poisson distribution is
+//! taken as the normal one of its variance (Foi, Trimeche, Katkovnik and Egiazarian 2008), which differs
+//! where there are few electrons.
 
 use super::normal::gaussian;
 use crate::vary::purpose;
@@ -14,7 +15,8 @@ const FULL_WELL: f32 = 5000.0;
 /// Standard deviation of reading them out, electrons.
 const READ_NOISE: f32 = 8.0;
 
-/// The photograph of some radiance, `[3, height, width]`: radiance of the nearest byte, at most 1, which is white.
+/// The photograph of some radiance, `[3, height, width]`: radiance of the nearest byte, at most 1, which is
+/// white.
 pub fn photograph(radiance: &Planes, seed: u32) -> Planes {
     let mut photograph = radiance.clone();
     for (index, value) in photograph.data_mut().iter_mut().enumerate() {

@@ -1,16 +1,16 @@
 //! Depth of a structured-light sensor: noise along and across the view, steps of disparity, and holes.
 //!
-//! - Noise: Nguyen, Izadi and Lovell 2012, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking",
-//!   equations 1 and 2, by depth and by the angle between normal and view.
-//! - Steps: disparity is known to 1/8 pixel (Konolige and Mihelich, "Technical description of Kinect calibration", in the
-//!   documentation of ROS).
-//! - Base line and range: Khoshelham and Elberink 2012, "Accuracy and resolution of Kinect depth data for indoor mapping
-//!   applications".
-//! - Holes: where the projector's light does not come, beyond an edge; where a surface is grazed; beyond the range. Fewer than
-//!   a sensor has: dark and shining surfaces answer here as all others do.
+//! - Noise: Nguyen, Izadi and Lovell 2012, "Modeling Kinect sensor noise for improved 3D reconstruction and
+//!   tracking", equations 1 and 2, by depth and by the angle between normal and view.
+//! - Steps: disparity is known to 1/8 pixel (Konolige and Mihelich, "Technical description of Kinect
+//!   calibration", in the documentation of ROS).
+//! - Base line and range: Khoshelham and Elberink 2012, "Accuracy and resolution of Kinect depth data for
+//!   indoor mapping applications".
+//! - Holes: where the projector's light does not come, beyond an edge; where a surface is grazed; beyond the
+//!   range. Fewer than a sensor has: dark and shining surfaces answer here as all others do.
 //!
-//! Noise of neighbouring pixels is independent, which that of a Kinect, whose dots are matched in blocks, is not quite. The
-//! projector is hidden by what the camera sees, and by nothing else.
+//! Noise of neighbouring pixels is independent, which that of a Kinect, whose dots are matched in blocks, is
+//! not quite. The projector is hidden by what the camera sees, and by nothing else.
 
 use super::normal::gaussian;
 use crate::capture::{Intrinsics, surface::highest_step};
@@ -28,11 +28,12 @@ const BASE_LINE: f32 = 0.075;
 const STEPS: f32 = 8.0;
 /// Depths that are measured, metres.
 const RANGE: std::ops::RangeInclusive<f32> = 0.5..=5.0;
-/// Cosine of the angle, 80 degrees, beyond which nothing comes back; no source has a number for it, this is a choice.
+/// Cosine of the angle, 80 degrees, beyond which nothing comes back; no source has a number for it, this is a
+/// choice.
 const LEAST_COSINE: f32 = 0.174;
 
-/// Standard deviation of depth along the view, metres, at a depth in metres of surfaces that are not grazed (Nguyen et al.
-/// 2012, equation 2).
+/// Standard deviation of depth along the view, metres, at a depth in metres of surfaces that are not grazed
+/// (Nguyen et al. 2012, equation 2).
 pub fn axial_noise(depth: f32) -> f32 {
     0.0012 + 0.0019 * (depth - 0.4).powi(2)
 }
@@ -48,8 +49,8 @@ fn lateral_noise(angle: f32) -> f32 {
     0.8 + 0.035 * angle / (FRAC_PI_2 - angle)
 }
 
-/// The depth that a sensor measures of what is seen, `[1, height, width]`, metres, 0 where it measures none. Of `seen` it reads
-/// position, normal and validity.
+/// The depth that a sensor measures of what is seen, `[1, height, width]`, metres, 0 where it measures none.
+/// Of `seen` it reads position, normal and validity.
 ///
 /// # Panics
 /// If `seen` lacks one of these.
@@ -98,9 +99,10 @@ fn answers(seen: &GBuffer, intrinsics: &Intrinsics) -> Vec<Option<Answer>> {
     answers
 }
 
-/// Takes away the answers of a row's pixels that the projector does not shine on. It stands to the right of the camera and
-/// sees what is at a column at `column - focal length * base line / depth`: going left, those columns fall unless something
-/// nearer was passed, behind which nothing is lit until they fall below its own.
+/// Takes away the answers of a row's pixels that the projector does not shine on. It stands to the right of
+/// the camera and sees what is at a column at `column - focal length * base line / depth`: going left, those
+/// columns fall unless something nearer was passed, behind which nothing is lit until they fall below its
+/// own.
 fn shade(answers: &mut [Option<Answer>], z: &[f32], intrinsics: &Intrinsics) {
     let mut least = f32::INFINITY;
     for (x, (answer, z)) in answers.iter_mut().zip(z).enumerate().rev() {
@@ -116,8 +118,8 @@ fn shade(answers: &mut [Option<Answer>], z: &[f32], intrinsics: &Intrinsics) {
     }
 }
 
-/// What answers at a pixel: its own surface or, if the noise across the view is that large, the one beyond an edge. On one
-/// surface the noise along the view is all there is.
+/// What answers at a pixel: its own surface or, if the noise across the view is that large, the one beyond an
+/// edge. On one surface the noise along the view is all there is.
 fn jittered(
     answers: &[Option<Answer>],
     [height, width]: [usize; 2],

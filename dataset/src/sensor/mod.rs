@@ -1,5 +1,5 @@
-//! A model of an RGBD camera: what it makes of what a perfect one would see, so that a network is trained on what
-//! photographs bring.
+//! A model of an RGBD camera: what it makes of what a perfect one would see, so that a network is trained on
+//! what photographs bring.
 //!
 //! Every random number is drawn by the frame's seed and the pixel.
 
@@ -18,13 +18,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sensor {
-    /// A projector of infrared dots beside an infrared camera, as in the first Kinect, with a small colour camera.
+    /// A projector of infrared dots beside an infrared camera, as in the first Kinect, with a small colour
+    /// camera.
     StructuredLight,
 }
 
 impl Sensor {
-    /// What is known of the surfaces of a frame: depth with noise and holes, and what follows from it, as of a real
-    /// capture. Of `seen` the positions, normals and validity are read; the result holds
+    /// What is known of the surfaces of a frame: depth with noise and holes, and what follows from it, as of
+    /// a real capture. Of `seen` the positions, normals and validity are read; the result holds
     /// [`capture::surface::ATTRIBUTES`].
     ///
     /// # Panics
@@ -35,7 +36,8 @@ impl Sensor {
         capture::surface(&depth::measured(seen, &intrinsics, seed), &intrinsics)
     }
 
-    /// The photograph of some radiance, `[3, height, width]`: radiance again, with noise, clipped and in steps of a byte.
+    /// The photograph of some radiance, `[3, height, width]`: radiance again, with noise, clipped and in
+    /// steps of a byte.
     pub fn photograph(self, radiance: &Planes, seed: u32) -> Planes {
         let Self::StructuredLight = self;
         colour::photograph(radiance, seed)

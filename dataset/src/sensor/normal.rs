@@ -3,7 +3,8 @@
 use crate::random::uniform;
 use std::f32::consts::TAU;
 
-/// A number of mean 0 and deviation 1 for some words (Box and Muller 1958); `which` tells numbers for the same words apart.
+/// A number of mean 0 and deviation 1 for some words (Box and Muller 1958); `which` tells numbers for the
+/// same words apart.
 pub fn gaussian(words: [u64; 3], which: u64) -> f32 {
     let [seed, purpose, pixel] = words;
     // In (0, 1], whose logarithm is finite.

@@ -46,8 +46,8 @@ impl Seconds {
 }
 
 impl TestSet {
-    /// How long [`TestSet::generate`] will take from nothing, on this machine with nothing else to do: a few scenes,
-    /// evenly chosen, are loaded and rendered with few samples, and the time is scaled to all.
+    /// How long [`TestSet::generate`] will take from nothing, on this machine with nothing else to do: a few
+    /// scenes, evenly chosen, are loaded and rendered with few samples, and the time is scaled to all.
     ///
     /// # Errors
     /// If the recipe is not for testing or has no `tiles`, or a scene cannot be had or has no fit view.

@@ -23,12 +23,13 @@ use std::collections::HashMap;
 use std::path::Path;
 
 impl TestSet {
-    /// Makes the test set of a recipe in a folder, or what is still missing of it; [`TestSet::estimate`] says how long
-    /// that takes. The same recipe gives the same bytes, however often the program was killed on the way.
+    /// Makes the test set of a recipe in a folder, or what is still missing of it; [`TestSet::estimate`] says
+    /// how long that takes. The same recipe gives the same bytes, however often the program was killed on the
+    /// way.
     ///
     /// # Errors
-    /// If the recipe is not for testing or has no `tiles`, a scene cannot be had or has no fit view, or the folder cannot be written, is in
-    /// use or holds other data.
+    /// If the recipe is not for testing or has no `tiles`, a scene cannot be had or has no fit view, or the
+    /// folder cannot be written, is in use or holds other data.
     pub fn generate(recipe: &Recipe, folder: &Path) -> Result<Self, DatasetError> {
         Self::generate_by(recipe, folder, None)
     }

@@ -6,8 +6,8 @@ use deepshade_shaders::Planes;
 use deepshade_shaders::similarity::TILE;
 
 impl TestSet {
-    /// A frame as a pair: its g-buffer, rendered again, and as target the whole image where there is one, else the tiles
-    /// on black.
+    /// A frame as a pair: its g-buffer, rendered again, and as target the whole image where there is one,
+    /// else the tiles on black.
     ///
     /// # Errors
     /// As [`TestSet::frame`], and if the scene cannot be had again.

@@ -70,7 +70,8 @@ fn a_test_set_is_resumed_to_the_same_bytes_and_holds_the_truth() {
         let shot = Shot::new(&scene, &record.camera, [44, 64], record.radius);
         let image = render(recipe.effect, &shot, Sampling::one(512, 99)).mean;
         let better = gather(&image, &frame.tiles);
-        // 512 samples in one sequence are hardly away from what is true, so truth is away from them by its noise.
+        // 512 samples in one sequence are hardly away from what is true, so truth is away from them by its
+        // noise.
         let distance = mean_squared_difference(&better, &frame.truth);
         assert!((0.5..2.0).contains(&(distance / record.ceiling.variance)), "{distance}");
         assert!(ssim(&better, &frame.truth) > record.ceiling.ssim && record.ceiling.ssim < 1.0);

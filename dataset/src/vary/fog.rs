@@ -30,8 +30,8 @@ const MARGIN: f32 = 0.1;
 const CELLS: usize = 48;
 
 impl Fog {
-    /// The medium of a seed: grey to slightly coloured, absorbing from almost nothing to two fifths of what it meets,
-    /// scattering from a little backwards to strongly forwards.
+    /// The medium of a seed: grey to slightly coloured, absorbing from almost nothing to two fifths of what
+    /// it meets, scattering from a little backwards to strongly forwards.
     pub(super) fn drawn(range: FogRange, scene: &TracedScene, seed: u32) -> Self {
         let draw = |which: u64| uniform(&[u64::from(seed), purpose::FOG, which]);
         let extinction = between_ratios(range.optical_depth, draw(0)) / scene.diagonal();
@@ -52,7 +52,8 @@ impl Fog {
     /// The medium in a scene.
     ///
     /// # Errors
-    /// If the scene is so small for its distance from the origin that smoke is too fine, or as [`Medium::check`].
+    /// If the scene is so small for its distance from the origin that smoke is too fine, or as
+    /// [`Medium::check`].
     pub(super) fn medium(&self, scene: &TracedScene) -> Result<Medium, MediumError> {
         let margin = Vec3::splat(MARGIN * scene.diagonal());
         let Bounds { min, max } = scene.bounds();

@@ -1,5 +1,5 @@
-//! A point light drawn uniformly in a scene, of those places that light something of what is seen ("the position of the light source is sampled uniformly at random per
-//! image", thesis 7.4).
+//! A point light drawn uniformly in a scene, of those places that light something of what is seen ("the
+//! position of the light source is sampled uniformly at random per image", thesis 7.4).
 
 use super::draw::{between, purpose};
 use crate::random::uniform;
@@ -36,10 +36,10 @@ const BESIDE: [[f32; 2]; 5] = [[-0.35, 0.35], [0.35, 0.35], [0.0, 0.45], [-0.45,
 const LEAST_LIT_BESIDE: f32 = 0.7;
 
 impl Lamp {
-    /// A lamp of a seed: at a place that is uniform in the box that views are sampled in, given that it is not inside of
-    /// geometry or nearer to it than 2 % of the diagonal, and lights a tenth of what the camera sees; where none of 256
-    /// places is so, at the camera. A white surface that faces it from the median distance of what it lights shines with a
-    /// radiance of 0.7 to 1.5.
+    /// A lamp of a seed: at a place that is uniform in the box that views are sampled in, given that it is
+    /// not inside of geometry or nearer to it than 2 % of the diagonal, and lights a tenth of what the camera
+    /// sees; where none of 256 places is so, at the camera. A white surface that faces it from the median
+    /// distance of what it lights shines with a radiance of 0.7 to 1.5.
     pub fn drawn(scene: &TracedScene, camera: &Camera, size: [usize; 2], seed: u32) -> Self {
         let draw = |attempt: u64, which: u64| uniform(&[u64::from(seed), purpose::LAMP, attempt, which]);
         let bounds = views::fitted_box(scene);

@@ -85,9 +85,9 @@ pub(super) fn look(
     Ok(look)
 }
 
-/// Draws the parameters of the Phong model, diffuse and specular colour and glossiness (thesis 7.3.1, which does not say
-/// how they are distributed). The diffuse colour is paler where a texture brings colours; two colours that reflect more
-/// than there is are dimmed alike until they reflect all of it.
+/// Draws the parameters of the Phong model, diffuse and specular colour and glossiness (thesis 7.3.1, which
+/// does not say how they are distributed). The diffuse colour is paler where a texture brings colours; two
+/// colours that reflect more than there is are dimmed alike until they reflect all of it.
 fn paint(material: &mut Material, textured: bool, draw: impl Fn(u64) -> f32) {
     let colour = |first: u64, most_saturated: f32, brightness: [f32; 2]| {
         let hue = Vec3::from_array(std::array::from_fn(|channel| draw(first + 2 + channel as u64)));

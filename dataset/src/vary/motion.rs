@@ -1,5 +1,5 @@
-//! Objects that move: "for training, we randomly move objects inside the scene for random distances. Motions are
-//! restricted to those which are parallel to the image plane" (thesis 7.4).
+//! Objects that move: "for training, we randomly move objects inside the scene for random distances. Motions
+//! are restricted to those which are parallel to the image plane" (thesis 7.4).
 
 use super::draw::{between, purpose};
 use crate::random::uniform;
@@ -13,9 +13,9 @@ use std::f32::consts::TAU;
 /// Share of the objects that move.
 const MOVING: f32 = 0.75;
 
-/// How far every vertex of every object moves. Objects that move by themselves, in an animated file, keep their ways. Those
-/// of others are drawn in pixels, for an object's visible point that is nearest to the camera, of a grid of those; what
-/// the camera does not see stands still.
+/// How far every vertex of every object moves. Objects that move by themselves, in an animated file, keep
+/// their ways. Those of others are drawn in pixels, for an object's visible point that is nearest to the
+/// camera, of a grid of those; what the camera does not see stands still.
 pub(super) fn displacements(
     scene: &TracedScene,
     camera: &Camera,

@@ -122,7 +122,8 @@ impl Recent {
     }
 }
 
-/// Adds all images of a folder and the folders in it. Links to folders are not followed, since they may lead back.
+/// Adds all images of a folder and the folders in it. Links to folders are not followed, since they may lead
+/// back.
 fn add_images(folder: &Path, images: &mut Vec<PathBuf>) -> Result<(), DatasetError> {
     let io = |source| DatasetError::io(folder, source);
     for entry in std::fs::read_dir(folder).map_err(io)? {

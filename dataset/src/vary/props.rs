@@ -18,8 +18,8 @@ pub struct Props {
 }
 
 impl Props {
-    /// Finds or reads what a recipe names; files are relative to [`Recipe::folder`]. Images of a folder are read when they
-    /// are needed.
+    /// Finds or reads what a recipe names; files are relative to [`Recipe::folder`]. Images of a folder are
+    /// read when they are needed.
     ///
     /// # Errors
     /// If a file or folder is missing or damaged, or a folder holds no image.

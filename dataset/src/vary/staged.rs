@@ -78,8 +78,9 @@ impl<'a> StagedScene<'a> {
         }
     }
 
-    /// What is known of an image's surfaces, with [`Recipe::attributes`]: what is seen, or what the recipe's sensor
-    /// measures of that, by the image's seed. In a timeline direct light is that of lamps that shine at the image's moment.
+    /// What is known of an image's surfaces, with [`Recipe::attributes`]: what is seen, or what the recipe's
+    /// sensor measures of that, by the image's seed. In a timeline direct light is that of lamps that shine
+    /// at the image's moment.
     pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
         let [height, width] = self.size(seed);
         let lit = self.timeline().map(|_| timeline::shining(shown));
@@ -126,8 +127,9 @@ impl<'a> StagedScene<'a> {
         self.recipe.vary.as_ref().and_then(|vary| vary.sensor)
     }
 
-    /// The camera of one of its views, as [`Self::camera`] gives it, and what its image gets: drawn by the view's seed, or in a
-    /// timeline by that of the first frame of its sequence, whose look, lamp and movements it shares.
+    /// The camera of one of its views, as [`Self::camera`] gives it, and what its image gets: drawn by the
+    /// view's seed, or in a timeline by that of the first frame of its sequence, whose look, lamp and
+    /// movements it shares.
     ///
     /// # Errors
     /// As [`Self::camera`].
@@ -148,11 +150,12 @@ impl<'a> StagedScene<'a> {
         draw::draw(self.recipe.vary.as_ref(), self.recipe.effect, &self.base, camera, self.size(seed), seed)
     }
 
-    /// The scene as an image shows it. Images share triangles and hierarchies, but for those of moving objects.
+    /// The scene as an image shows it. Images share triangles and hierarchies, but for those of moving
+    /// objects.
     ///
     /// # Errors
-    /// If a texture or an animated file cannot be read, there can be no fog in the scene, or moving objects leave what can be
-    /// traced.
+    /// If a texture or an animated file cannot be read, there can be no fog in the scene, or moving objects
+    /// leave what can be traced.
     pub fn shown(
         &self,
         camera: &Camera,
@@ -179,8 +182,8 @@ impl<'a> StagedScene<'a> {
         Ok(Arc::new(prepared(Scene::load_moving(path, time, SHUTTER)?, self.recipe)?))
     }
 
-    /// What `make` gives of some of the scene's views, in their order. They are made at the same time, but for images of
-    /// moving objects, each of which has a hierarchy of its own.
+    /// What `make` gives of some of the scene's views, in their order. They are made at the same time, but
+    /// for images of moving objects, each of which has a hierarchy of its own.
     pub(crate) fn each<R: Send>(
         &self,
         views: &[PlannedView],

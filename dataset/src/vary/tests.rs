@@ -323,7 +323,8 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
     assert!(refused(Effect::Aa, &none).contains("`vary.textures.procedural` must be 1 to 512"));
 }
 
-/// A triangle whose node moves evenly along x, from the origin to 4 m in the first two seconds, above another that stays.
+/// A triangle whose node moves evenly along x, from the origin to 4 m in the first two seconds, above another
+/// that stays.
 const SLIDING: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
     "nodes": [{"mesh": 0}, {"mesh": 1}],
     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}, {"primitives": [{"attributes": {"POSITION": 1}}]}],

@@ -1,4 +1,5 @@
-//! Frames of a timeline: lamps go on and off, objects go on moving, and surfaces have kept light of all that was before.
+//! Frames of a timeline: lamps go on and off, objects go on moving, and surfaces have kept light of all that
+//! was before.
 
 use super::{StagedScene, Variation, Vary, look, motion};
 use crate::DatasetError;
@@ -98,7 +99,8 @@ impl Moving<'_> {
     }
 }
 
-/// Puts the corners of a mesh's triangles to where another mesh has them: that it was made of, before textures cut its vertices apart.
+/// Puts the corners of a mesh's triangles to where another mesh has them: that it was made of, before
+/// textures cut its vertices apart.
 fn follow(mesh: &mut Mesh, posed: &Mesh) {
     let count = mesh.positions.len();
     let room = |has: bool| if has { count } else { 0 };
@@ -122,7 +124,8 @@ fn follow(mesh: &mut Mesh, posed: &Mesh) {
 }
 
 impl StagedScene<'_> {
-    /// The scene at a moment of a timeline. What moves does so, for a g-buffer, in the time between two frames around that moment.
+    /// The scene at a moment of a timeline. What moves does so, for a g-buffer, in the time between two
+    /// frames around that moment.
     pub(super) fn at_moment(
         &self,
         (vary, timeline): (&Vary, &Timeline),

@@ -1,7 +1,8 @@
 //! Views of other fields of view that show nearly the same: a dolly zoom (thesis 7.5.1, Figure 7.13).
 //!
-//! As the field of view changes, the camera goes along its axis, so that what is in the middle of the image stays as
-//! large as it was. A view is taken if it can be had at every field of view, so that a scene has the same views at all.
+//! As the field of view changes, the camera goes along its axis, so that what is in the middle of the image
+//! stays as large as it was. A view is taken if it can be had at every field of view, so that a scene has the
+//! same views at all.
 
 use super::back_share_around;
 use deepshade_render::bvh::TracedScene;
@@ -13,9 +14,9 @@ pub const FIELDS_OF_VIEW: RangeInclusive<f32> = 20.0..=90.0;
 /// What the ray from the farthest camera must reach of the way to the middle; rays round.
 const CLEAR: f32 = 0.999;
 
-/// The camera with another vertical field of view, in degrees, from where the surface in the middle of its image looks as
-/// large as before. `None` if no surface is there, or not all of [`FIELDS_OF_VIEW`] can be had: something stands in the
-/// way of the narrowest, or it or the widest is inside of geometry.
+/// The camera with another vertical field of view, in degrees, from where the surface in the middle of its
+/// image looks as large as before. `None` if no surface is there, or not all of [`FIELDS_OF_VIEW`] can be
+/// had: something stands in the way of the narrowest, or it or the widest is inside of geometry.
 pub fn dolly_zoom(scene: &TracedScene, camera: &Camera, degrees: f32) -> Option<Camera> {
     let forward = -camera.rotation.z_axis;
     let distance = scene.hit(camera.position, forward, f32::INFINITY)?.distance;

@@ -1,5 +1,5 @@
-//! Views that follow each other: the camera goes on from a sampled one and turns, always as fast, in directions of the
-//! sequence's own.
+//! Views that follow each other: the camera goes on from a sampled one and turns, always as fast, in
+//! directions of the sequence's own.
 
 use super::{LIMITS, refusal};
 use crate::random::uniform;
@@ -9,8 +9,8 @@ use deepshade_render::scene::Camera;
 use glam::{Mat3, Vec3};
 use std::f32::consts::TAU;
 
-/// The camera of a frame of the sequence that begins with `first`; the same for the same `stream`. `None` if one of the
-/// sequence's frames is not fit for an image of this size.
+/// The camera of a frame of the sequence that begins with `first`; the same for the same `stream`. `None` if
+/// one of the sequence's frames is not fit for an image of this size.
 pub fn followed(
     scene: &TracedScene,
     first: &Camera,

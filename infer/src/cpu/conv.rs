@@ -1,8 +1,8 @@
 //! Grouped convolution with bias and leaky ReLU on the CPU.
 //!
-//! A task is a stripe of rows of one group of one image. It copies the rows that it reads into a buffer with a border
-//! of zeros, so that the inner loops know no edges, and runs the vector loops of [`super::stripe`] on it. How the work
-//! is cut depends on the shapes only, never on the number of threads.
+//! A task is a stripe of rows of one group of one image. It copies the rows that it reads into a buffer with
+//! a border of zeros, so that the inner loops know no edges, and runs the vector loops of [`super::stripe`]
+//! on it. How the work is cut depends on the shapes only, never on the number of threads.
 
 use super::operand::{Buffer, Operand, Padded};
 use super::shape::{ConvShape, Scale, Stripe};

@@ -1,5 +1,6 @@
-//! The filter of [`crate::filter`] on the processor: rows in parallel. A row of a level is blended from two of its rows and
-//! spread to the image's pixels once, so that what a kernel's taps read of it are slices, `scale` pixels apart.
+//! The filter of [`crate::filter`] on the processor: rows in parallel. A row of a level is blended from two
+//! of its rows and spread to the image's pixels once, so that what a kernel's taps read of it are slices,
+//! `scale` pixels apart.
 
 use super::operand::Image;
 use crate::NetSpec;
@@ -21,8 +22,8 @@ struct Level {
     /// Pixels of the image along an axis for one of the level.
     scale: usize,
     light: Planes,
-    /// Where the pixels of a row of the image, and as many beyond either end as kernels see, lie in [`Self::blend`]'s, and the
-    /// share of the next pixel.
+    /// Where the pixels of a row of the image, and as many beyond either end as kernels see, lie in
+    /// [`Self::blend`]'s, and the share of the next pixel.
     places: Vec<(usize, f32)>,
 }
 
@@ -46,7 +47,8 @@ impl Light {
         self.levels[0].light.channels()
     }
 
-    /// Visits what the taps read along the first pixels of a row of the image: the tap's number, the channel, the light.
+    /// Visits what the taps read along the first pixels of a row of the image: the tap's number, the channel,
+    /// the light.
     #[inline(always)]
     pub fn visit_taps(&self, y: usize, width: usize, mut visit: impl FnMut(usize, usize, &[f32])) {
         let kernel = self.filter.kernel;
@@ -73,13 +75,15 @@ impl Level {
     fn new(scale: usize, light: Planes, width: usize, radius: usize) -> Self {
         let place = |x| {
             let (first, share) = position(x, scale);
-            // What is blended begins `radius + 1` pixels before the level, the first place `radius`: one apart.
+            // What is blended begins `radius + 1` pixels before the level, the first place `radius`: one
+            // apart.
             ((first + 1) as usize, share)
         };
         Self { scale, light, places: (0..width + 2 * radius * scale).map(place).collect() }
     }
 
-    /// The light between two rows of the level, continued at both ends as far as kernels see: by `radius` pixels and one more.
+    /// The light between two rows of the level, continued at both ends as far as kernels see: by `radius`
+    /// pixels and one more.
     fn blend(&self, channel: usize, radius: usize, y: usize, offset: usize, blend: &mut Vec<f32>) {
         let (height, width) = (self.light.height(), self.light.width());
         let (first, share) = position(y, self.scale);
@@ -96,7 +100,8 @@ impl Level {
     }
 }
 
-/// The network's image of its input, given what its last convolution makes of the image's pixels, `[weights, height, width]`.
+/// The network's image of its input, given what its last convolution makes of the image's pixels,
+/// `[weights, height, width]`.
 pub fn filtered(spec: &NetSpec, filter: Filter, input: &Planes, made: &Planes) -> Planes {
     let (height, width) = (made.height(), made.width());
     let light = Light::new(filter, padded(&channels(input, &spec.pyramid_channels()), spec.alignment()));

@@ -1,10 +1,10 @@
 //! The forward pass on the CPU: for machines without a GPU, and for training.
 //!
-//! Every layer is one parallel pass over stripes of rows: what comes before the convolution (padding, pooling,
-//! doubling, concatenation) happens as a stripe is read, bias and leaky ReLU before it is written. The vector
-//! instructions (AVX-512, AVX2, NEON) are chosen when the program runs. Images stay planar, `[channels, height,
-//! width]`: vectors of neighbouring pixels fit groups of few channels and a single output alike, and need no way to
-//! and from the g-buffer's layout.
+//! Every layer is one parallel pass over stripes of rows: what comes before the convolution (padding,
+//! pooling, doubling, concatenation) happens as a stripe is read, bias and leaky ReLU before it is written.
+//! The vector instructions (AVX-512, AVX2, NEON) are chosen when the program runs. Images stay planar,
+//! `[channels, height, width]`: vectors of neighbouring pixels fit groups of few channels and a single output
+//! alike, and need no way to and from the g-buffer's layout.
 
 pub mod ceilings;
 pub mod conv;
@@ -65,8 +65,8 @@ impl Network {
         &self.spec
     }
 
-    /// Room for images of a size. Where feature maps would take more than a gigabyte the image is run in tiles, which
-    /// make the same.
+    /// Room for images of a size. Where feature maps would take more than a gigabyte the image is run in
+    /// tiles, which make the same.
     ///
     /// # Errors
     /// If there is no pixel, or not even the smallest tile is small enough.
@@ -82,7 +82,8 @@ impl Network {
         Plan::new(self.clone(), [height, width], bytes)
     }
 
-    /// The network's image, `[output channels, height, width]`, of an input `[input channels, height, width]`.
+    /// The network's image, `[output channels, height, width]`, of an input
+    /// `[input channels, height, width]`.
     ///
     /// # Errors
     /// If the input is not the spec's, or as [`Network::plan`].

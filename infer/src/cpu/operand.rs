@@ -1,8 +1,8 @@
 //! What a convolution reads, and the buffer into which the rows of a stripe of it are copied.
 //!
-//! Pooling, doubling and concatenation happen as rows are copied: none of what they make is ever stored as an image.
-//! Loops, not iterators with closures, and these marked: else the compiler would not make them of the instructions that
-//! `pulp` chooses.
+//! Pooling, doubling and concatenation happen as rows are copied: none of what they make is ever stored as an
+//! image. Loops, not iterators with closures, and these marked: else the compiler would not make them of the
+//! instructions that `pulp` chooses.
 
 use super::shape::ConvShape;
 use std::borrow::Cow;
@@ -76,8 +76,8 @@ impl Operand<'_> {
     }
 }
 
-/// The row or column that doubled row or column `at` blends in with a weight of 1/4; the one in which it lies,
-/// `at / 2`, has the rest.
+/// The row or column that doubled row or column `at` blends in with a weight of 1/4; the one in which it
+/// lies, `at / 2`, has the rest.
 pub const fn neighbour(at: usize, size: usize) -> usize {
     let near = at / 2;
     match at % 2 {

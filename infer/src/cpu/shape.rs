@@ -1,5 +1,5 @@
-//! The sizes of a convolution on the CPU, and how its work is cut into stripes of rows of one group of one image. The cut
-//! depends on the shapes only, never on the number of threads.
+//! The sizes of a convolution on the CPU, and how its work is cut into stripes of rows of one group of one
+//! image. The cut depends on the shapes only, never on the number of threads.
 
 /// Rows in memory are padded to a multiple of this, so that no vector reaches beyond them.
 const VECTOR: usize = 16;
@@ -60,8 +60,8 @@ impl ConvShape {
             .collect()
     }
 
-    /// Deals the rows of images `[batch, positions, height, width] * scale` out to stripes whose groups have so many
-    /// channels: `positions` says for each channel of an image which one of all groups' it is.
+    /// Deals the rows of images `[batch, positions, height, width] * scale` out to stripes whose groups have
+    /// so many channels: `positions` says for each channel of an image which one of all groups' it is.
     pub fn deal<'a>(
         &self,
         stripes: &mut [Stripe<'a>],

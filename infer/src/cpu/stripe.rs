@@ -1,8 +1,8 @@
 //! The vector loops of a convolution: weighted sums over shifted rows.
 //!
-//! A block of sums stays in registers, of some output channels at some neighbouring pixels; `pulp` chooses the
-//! instructions when the program runs. Loops, not `array::from_fn`: its closures would not be compiled for those
-//! instructions.
+//! A block of sums stays in registers, of some output channels at some neighbouring pixels; `pulp` chooses
+//! the instructions when the program runs. Loops, not `array::from_fn`: its closures would not be compiled
+//! for those instructions.
 
 use super::operand::Padded;
 use super::shape::ConvShape;
@@ -11,7 +11,8 @@ use pulp::Simd;
 /// Output channels that are computed together, the largest first.
 const BLOCKS: [usize; 5] = [8, 4, 3, 2, 1];
 
-/// Weights in the order in which the loops read them: for each group `[blocks, inputs, kernel, kernel, block]`.
+/// Weights in the order in which the loops read them: for each group
+/// `[blocks, inputs, kernel, kernel, block]`.
 #[derive(Clone, Debug)]
 pub struct Packed {
     weights: Vec<f32>,
@@ -93,8 +94,8 @@ struct Job<'a, 'b> {
 }
 
 impl Job<'_, '_> {
-    /// Computes `A` of the block's `BLOCK` channels, from `first` on, `B` vectors of pixels at a time where the rows
-    /// are that long.
+    /// Computes `A` of the block's `BLOCK` channels, from `first` on, `B` vectors of pixels at a time where
+    /// the rows are that long.
     #[inline(always)]
     fn run<S: Simd, const BLOCK: usize, const A: usize, const B: usize>(&mut self, simd: S, first: usize) {
         for y in 0..self.x.rows {
@@ -147,7 +148,8 @@ impl Job<'_, '_> {
                 }
             }
         }
-        // Copied one by one, or else the compiler keeps the sums themselves in memory as well, for the loop below.
+        // Copied one by one, or else the compiler keeps the sums themselves in memory as well, for the loop
+        // below.
         let mut made = [[simd.splat_f32s(0.0); B]; A];
         for a in 0..A {
             for b in 0..B {

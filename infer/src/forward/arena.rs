@@ -22,9 +22,9 @@ pub struct Region {
     pub bytes: u64,
 }
 
-/// A region for each request, none overlapping another that is alive at the same time, and the buffers' sizes: no more
-/// buffers than `most` bytes a buffer demand. Regions begin at multiples of `alignment`. None if a request is larger
-/// than a buffer.
+/// A region for each request, none overlapping another that is alive at the same time, and the buffers'
+/// sizes: no more buffers than `most` bytes a buffer demand. Regions begin at multiples of `alignment`. None
+/// if a request is larger than a buffer.
 ///
 /// Large ones are placed first, each as low as it fits.
 pub fn place(requests: &[Request], alignment: u64, most: u64) -> Option<(Vec<Region>, Vec<u64>)> {

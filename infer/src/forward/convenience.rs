@@ -84,8 +84,8 @@ impl Network {
         self.runner(input.height(), input.width())?.run_timed(queue, input, warm_up, timed)
     }
 
-    /// How long each layer takes on images of a size, by name: each by itself, the median of `timed` runs after
-    /// `warm_up` others.
+    /// How long each layer takes on images of a size, by name: each by itself, the median of `timed` runs
+    /// after `warm_up` others.
     ///
     /// # Errors
     /// If the size is beyond the device's limits or the GPU refuses.
@@ -123,8 +123,9 @@ impl Runner {
         self.recording.encode(encoder);
     }
 
-    /// The network's image of an input, and how long its passes take, by the clock that [`gpu::time`] has on this
-    /// device: the median of `timed` runs after `warm_up` others, without the way between main memory and the GPU.
+    /// The network's image of an input, and how long its passes take, by the clock that [`gpu::time`] has on
+    /// this device: the median of `timed` runs after `warm_up` others, without the way between main memory
+    /// and the GPU.
     ///
     /// # Errors
     /// If the input is not the network's or the GPU refuses.

@@ -1,7 +1,8 @@
-//! A network as files for any engine that has compute shaders: its kernels, its packed weights, and what a host must do.
+//! A network as files for any engine that has compute shaders: its kernels, its packed weights, and what a
+//! host must do.
 //!
-//! The kernels are those that [`Network`](super::Network) runs on GPUs, from a planar buffer to a planar buffer, of the
-//! shapes that are guessed to be best within WebGPU's limits.
+//! The kernels are those that [`Network`](super::Network) runs on GPUs, from a planar buffer to a planar
+//! buffer, of the shapes that are guessed to be best within WebGPU's limits.
 
 use super::maps::{self, MapId};
 use super::packing::{BLOCK, Packed};
@@ -20,8 +21,8 @@ pub type File = (String, Vec<u8>);
 /// What a host must do, in words.
 const HOST: &str = include_str!("host.md");
 
-/// The files of a network: a kernel, weights and a table of what is read for each layer, `network.json` with the passes
-/// and what they bind, and `HOST.md` with the same in words.
+/// The files of a network: a kernel, weights and a table of what is read for each layer, `network.json` with
+/// the passes and what they bind, and `HOST.md` with the same in words.
 ///
 /// # Errors
 /// If the weights are not the spec's.

@@ -12,11 +12,13 @@ use deepshade_shaders::wgsl::TILE;
 /// Bytes of feature maps with which it is no use to go on where a device has no memory left.
 const LEAST: u64 = 1 << 20;
 
-/// The largest tiles of an image of `[height, width]` with which all takes at most that many bytes and for which `make`
-/// gets memory for their frame, maps and room, and what it makes. Where the device has too little left, half as much is tried.
+/// The largest tiles of an image of `[height, width]` with which all takes at most that many bytes and for
+/// which `make` gets memory for their frame, maps and room, and what it makes. Where the device has too
+/// little left, half as much is tried.
 ///
 /// # Errors
-/// If no tile is small enough, the device has not even memory for a mebibyte, or it refuses for another reason.
+/// If no tile is small enough, the device has not even memory for a mebibyte, or it refuses for another
+/// reason.
 pub fn largest<T>(
     network: &Network,
     size: [usize; 2],
@@ -85,8 +87,8 @@ pub fn fits(network: &Network, size: [usize; 2], frame: [usize; 2], most: u64) -
         && room(network, &maps).is_some_and(|room| bytes(network, size, frame, &room) <= most)
 }
 
-/// Whether a device dispatches enough workgroups for a frame; no pass has any that make fewer than [`TILE`] pixels along
-/// an axis.
+/// Whether a device dispatches enough workgroups for a frame; no pass has any that make fewer than [`TILE`]
+/// pixels along an axis.
 fn dispatches(limits: &wgpu::Limits, frame: [usize; 2]) -> bool {
     frame
         .into_iter()

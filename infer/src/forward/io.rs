@@ -24,28 +24,31 @@ pub enum OutputKind {
     /// Into a buffer.
     #[default]
     Buffer,
-    /// Into a texture of that format: `R32Float` for one channel, `Rgba16Float` or `Rgba32Float` for up to four.
+    /// Into a texture of that format: `R32Float` for one channel, `Rgba16Float` or `Rgba32Float` for up to
+    /// four.
     Texture(wgpu::TextureFormat),
 }
 
 /// A network's input.
 #[derive(Clone, Copy, Debug)]
 pub enum Input<'a> {
-    /// A storage buffer, planar `[input channels, height, width]` f32: what [`NetSpec::input`] makes of a g-buffer, or
-    /// a pass of the caller's that does the same: every channel multiplied by its [`NetSpec::factor`], and 0 where no
-    /// surface is seen.
+    /// A storage buffer, planar `[input channels, height, width]` f32: what [`NetSpec::input`] makes of a
+    /// g-buffer, or a pass of the caller's that does the same: every channel multiplied by its
+    /// [`NetSpec::factor`], and 0 where no surface is seen.
     Buffer(&'a wgpu::Buffer),
     /// The g-buffer itself.
     Textures {
-        /// A texture for each of [`NetSpec::inputs`], in their order: its channels are the first components. Any float
-        /// format that can be sampled, such as `Rgba16Float` or `Rgba32Float`; no filtering is needed. A view shows mip
-        /// 0, which has at least the image's rows and columns; what lies beyond these is not read.
+        /// A texture for each of [`NetSpec::inputs`], in their order: its channels are the first components.
+        /// Any float format that can be sampled, such as `Rgba16Float` or `Rgba32Float`; no filtering is
+        /// needed. A view shows mip 0, which has at least the image's rows and columns; what lies beyond
+        /// these is not read.
         ///
-        /// Every channel must be 0 where no surface is seen: lengths and light are scaled as they are read, but nothing
-        /// tells the network which pixels those are. A g-buffer that holds something else there is cleared by its owner.
+        /// Every channel must be 0 where no surface is seen: lengths and light are scaled as they are read,
+        /// but nothing tells the network which pixels those are. A g-buffer that holds something else there
+        /// is cleared by its owner.
         views: &'a [wgpu::TextureView],
-        /// What lengths and light are multiplied by as they are read. The image is that of scaled light: who uses it divides
-        /// by [`Scaling::light`].
+        /// What lengths and light are multiplied by as they are read. The image is that of scaled light: who
+        /// uses it divides by [`Scaling::light`].
         scaling: Scaling,
         /// Which of [`NetSpec::runs`], and so which colour channel a mono network reads.
         run: usize,
@@ -59,7 +62,8 @@ pub enum Input<'a> {
 pub enum Output<'a> {
     /// A storage buffer, planar `[output channels, height, width]` f32.
     Buffer(&'a wgpu::Buffer),
-    /// A storage texture, of which the view shows mip 0, with at least the image's rows and columns. Components that the image has not are 0, alpha 1.
+    /// A storage texture, of which the view shows mip 0, with at least the image's rows and columns.
+    /// Components that the image has not are 0, alpha 1.
     Texture(&'a wgpu::TextureView),
 }
 

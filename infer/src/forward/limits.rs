@@ -1,5 +1,5 @@
-//! What a device must allow for a network's kernels to run at all, whatever the image. WebGPU's default limits do; wgpu's
-//! `downlevel_defaults` have one storage buffer too few for most networks.
+//! What a device must allow for a network's kernels to run at all, whatever the image. WebGPU's default
+//! limits do; wgpu's `downlevel_defaults` have one storage buffer too few for most networks.
 
 use super::head;
 use super::maps::{has_means, read_by};

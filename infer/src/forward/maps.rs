@@ -50,7 +50,8 @@ pub fn has_means(layers: &[Layer], index: usize) -> bool {
     layers.iter().any(|layer| layer.source == Source::Pooled(index))
 }
 
-/// All maps of a network in the order in which they are written. The last layer makes the image instead of one.
+/// All maps of a network in the order in which they are written. The last layer makes the image instead of
+/// one.
 pub fn maps(layers: &[Layer]) -> Vec<Map> {
     let ids = (0..layers.len()).flat_map(|index| [MapId::Made(index), MapId::Means(index)]);
     let map = |id: MapId| {

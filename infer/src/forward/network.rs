@@ -7,7 +7,8 @@ use crate::{Layer, NetSpec, Weights};
 use deepshade_shaders::gpu::PipelineCache;
 use std::collections::HashMap;
 
-/// A network on a device: its compiled kernels and its weights. A [`Plan`] adds what depends on the image's size.
+/// A network on a device: its compiled kernels and its weights. A [`Plan`] adds what depends on the image's
+/// size.
 #[derive(Debug)]
 pub struct Network {
     pub(super) device: wgpu::Device,
@@ -30,8 +31,8 @@ pub struct Options<'a> {
     pub output: OutputKind,
     /// How feature maps are kept.
     pub precision: Precision,
-    /// Which kernels, such as [`Tuning::variant`](super::Tuning::variant) says; without, [`Variant::default_for`] the
-    /// device.
+    /// Which kernels, such as [`Tuning::variant`](super::Tuning::variant) says; without,
+    /// [`Variant::default_for`] the device.
     pub variant: Option<Variant>,
     /// Remembers compiled kernels for the next start of the program.
     pub cache: Option<&'a PipelineCache>,
@@ -53,13 +54,14 @@ impl Network {
         Self::with(device, spec, weights, &Options::default())
     }
 
-    /// Compiles the kernels and uploads the weights. Where nothing says which kernels, and a layer is too wide for those
-    /// for software adapters, it has the others.
+    /// Compiles the kernels and uploads the weights. Where nothing says which kernels, and a layer is too
+    /// wide for those for software adapters, it has the others.
     ///
     /// # Errors
-    /// If the weights are not the spec's, a layer is beyond the device's limits, the device allows fewer storage buffers in a
-    /// kernel than the five that most networks need ([`ForwardError::Limit`]; WebGPU's default is eight), the options ask for
-    /// what the device or the kernels cannot do, or the device refuses.
+    /// If the weights are not the spec's, a layer is beyond the device's limits, the device allows fewer
+    /// storage buffers in a kernel than the five that most networks need ([`ForwardError::Limit`]; WebGPU's
+    /// default is eight), the options ask for what the device or the kernels cannot do, or the device
+    /// refuses.
     pub fn with(
         device: &wgpu::Device,
         spec: &NetSpec,
@@ -118,8 +120,9 @@ impl Network {
         self.precision
     }
 
-    /// Prepares runs on images of a size: the feature maps between the layers. Where the whole image's would be beyond
-    /// the device's limits, or the device has no memory left for them, the image is run in tiles, which make the same.
+    /// Prepares runs on images of a size: the feature maps between the layers. Where the whole image's would
+    /// be beyond the device's limits, or the device has no memory left for them, the image is run in tiles,
+    /// which make the same.
     ///
     /// # Errors
     /// If the size is beyond the device's limits or its memory.
@@ -127,7 +130,8 @@ impl Network {
         self.plan_within(height, width, u64::MAX)
     }
 
-    /// As [`Network::plan`], with feature maps of at most so many bytes: in tiles, where the whole image's take more.
+    /// As [`Network::plan`], with feature maps of at most so many bytes: in tiles, where the whole image's
+    /// take more.
     ///
     /// # Errors
     /// If the size is beyond the device's limits or its memory, or no tile is small enough.

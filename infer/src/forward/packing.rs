@@ -1,7 +1,8 @@
 //! Weights in the order in which kernels read them.
 //!
-//! A kernel knows blocks of four inputs and blocks of one, four, eight or sixteen outputs, so a layer's own groups
-//! become a range of blocks of inputs for each block of outputs. Where they do not fall on whole blocks, zeros fill up.
+//! A kernel knows blocks of four inputs and blocks of one, four, eight or sixteen outputs, so a layer's own
+//! groups become a range of blocks of inputs for each block of outputs. Where they do not fall on whole
+//! blocks, zeros fill up.
 
 use crate::{Layer, LayerWeights, NetSpec, Source};
 use bytemuck::{Pod, Zeroable};
@@ -37,9 +38,9 @@ pub struct Packed {
     pub reads: Vec<Reads>,
     /// Weights of a block of outputs, with what fills it up.
     pub stride: usize,
-    /// `[blocks of outputs, stride]`; of a block `[blocks of four inputs, kernel, kernel, blocks of four outputs, 4
-    /// inputs, 4 outputs]`, the blocks of the skip connection after the others. A single output has one output where
-    /// the others have four.
+    /// `[blocks of outputs, stride]`; of a block
+    /// `[blocks of four inputs, kernel, kernel, blocks of four outputs, 4 inputs, 4 outputs]`, the blocks of
+    /// the skip connection after the others. A single output has one output where the others have four.
     pub weights: Vec<f32>,
 }
 
@@ -116,7 +117,8 @@ impl Packing<'_> {
         }
     }
 
-    /// The weights of a group: block after block, row of the kernel after row, then for each input its outputs.
+    /// The weights of a group: block after block, row of the kernel after row, then for each input its
+    /// outputs.
     fn group_weights(&self, group: usize) -> Vec<f32> {
         let (blocks, skip) = self.blocks(group);
         let channels = |block: usize| block * BLOCK..(block + 1) * BLOCK;
@@ -131,8 +133,8 @@ impl Packing<'_> {
         packed
     }
 
-    /// What one pixel of the kernel adds of four inputs. The shader multiplies a 4x4 matrix a four outputs, column
-    /// after column, an input a column.
+    /// What one pixel of the kernel adds of four inputs. The shader multiplies a 4x4 matrix a four outputs,
+    /// column after column, an input a column.
     fn tap(&self, packed: &mut Vec<f32>, group: usize, block: &[Option<usize>], tap: usize) {
         let first = group * self.group;
         for outputs in (first..first + self.group).collect::<Vec<_>>().chunks(BLOCK) {

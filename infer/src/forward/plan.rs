@@ -119,8 +119,8 @@ impl Plan {
         Recording::new(self, input, output)
     }
 
-    /// Records a run from one storage buffer to another: [`Plan::bind`] and [`Recording::encode`] in one. Who runs more
-    /// than once with the same buffers keeps the [`Recording`].
+    /// Records a run from one storage buffer to another: [`Plan::bind`] and [`Recording::encode`] in one. Who
+    /// runs more than once with the same buffers keeps the [`Recording`].
     ///
     /// # Errors
     /// If a buffer is too small or no storage buffer.

@@ -90,8 +90,9 @@ impl Recording {
         Ok(())
     }
 
-    /// What lengths and light are multiplied by from the next submission on, as they are read from textures: what a renderer
-    /// changes from frame to frame. Nothing is made anew. A buffer holds what is scaled already, so that it changes nothing.
+    /// What lengths and light are multiplied by from the next submission on, as they are read from textures:
+    /// what a renderer changes from frame to frame. Nothing is made anew. A buffer holds what is scaled
+    /// already, so that it changes nothing.
     pub fn set_scaling(&self, queue: &Queue, scaling: Scaling) {
         for Told { uniform, layer } in &self.told {
             let Scaling { length: length_scale, light: light_scale } = scaling;

@@ -61,8 +61,8 @@ impl Room {
         Self::Textures { of_map, sizes }
     }
 
-    /// Room in storage buffers, of which a device allows so many bytes each and to be bound so many at a time; none if
-    /// a map is larger.
+    /// Room in storage buffers, of which a device allows so many bytes each and to be bound so many at a
+    /// time; none if a map is larger.
     pub fn in_arena(maps: &[SizedMap], scalar: usize, limits: &wgpu::Limits) -> Option<Self> {
         let request = |sized: &SizedMap| Request {
             bytes: (sized.elements() * scalar) as u64,

@@ -10,7 +10,8 @@ use std::collections::HashMap;
 
 /// Outputs that a software kernel makes of a feature map at a time.
 const SOFTWARE_OUTPUTS: usize = 8;
-/// Floats of a software kernel's uniform buffer: 64 KiB, what every device offers. `WEIGHTS` of the shaders is as many.
+/// Floats of a software kernel's uniform buffer: 64 KiB, what every device offers. `WEIGHTS` of the shaders
+/// is as many.
 const SOFTWARE_ROOM: usize = 16_384;
 
 /// One layer on a device.

@@ -46,8 +46,8 @@ pub struct Tiling {
 }
 
 impl Tiling {
-    /// The largest tiles of an image of `[height, width]` that `fits` accepts, the whole image if it can be; none if not
-    /// even the smallest fit. The longer axis is cut first.
+    /// The largest tiles of an image of `[height, width]` that `fits` accepts, the whole image if it can be;
+    /// none if not even the smallest fit. The longer axis is cut first.
     pub fn new(spec: &NetSpec, size: [usize; 2], fits: impl Fn([usize; 2]) -> bool) -> Option<Self> {
         let mut pieces = [1, 1];
         loop {

@@ -34,7 +34,8 @@ impl Tuning {
         Self::of(device, TuningFile::default(), None)
     }
 
-    /// What a file remembers of a device, and in words why a file was of no use. A missing file remembers nothing.
+    /// What a file remembers of a device, and in words why a file was of no use. A missing file remembers
+    /// nothing.
     pub fn load(device: &wgpu::Device, path: &Path) -> (Self, Option<String>) {
         let (file, note) = TuningFile::load(path);
         (Self::of(device, file, Some(path.to_owned())), note)
@@ -48,8 +49,9 @@ impl Tuning {
         self.file.save(path)
     }
 
-    /// The fastest kernels for a network that is to run with these options on images of about a size, `[height, width]`;
-    /// none before all of its layers were measured, on images whose number of pixels is the same power of two, rounded.
+    /// The fastest kernels for a network that is to run with these options on images of about a size,
+    /// `[height, width]`; none before all of its layers were measured, on images whose number of pixels is
+    /// the same power of two, rounded.
     ///
     /// # Errors
     /// [`ForwardError::NoKernel`] if measuring found none that works.
@@ -93,8 +95,9 @@ impl Tuning {
         Ok(shapes.map(Variant::Gpu))
     }
 
-    /// A network with its fastest kernels for images of about a size, `[height, width]`, measured where they are not known; in
-    /// 32-bit floats where none in half floats works. With it the notes of [`Tuning::measure`].
+    /// A network with its fastest kernels for images of about a size, `[height, width]`, measured where they
+    /// are not known; in 32-bit floats where none in half floats works. With it the notes of
+    /// [`Tuning::measure`].
     ///
     /// # Errors
     /// As [`Tuning::variant`], [`Tuning::measure`] and [`Network::with`].
@@ -125,13 +128,14 @@ impl Tuning {
         }
     }
 
-    /// Measures all kernels that the layers of a network may have on images of a size, `[height, width]`, in the options'
-    /// precision and through their cache, from buffers to buffers. A kernel counts only if the driver accepts it, it runs,
-    /// and what it makes of a small image is what the reference makes of it; the notes say which do not. That none of a
-    /// layer's counts is remembered too, of this network.
+    /// Measures all kernels that the layers of a network may have on images of a size, `[height, width]`, in
+    /// the options' precision and through their cache, from buffers to buffers. A kernel counts only if the
+    /// driver accepts it, it runs, and what it makes of a small image is what the reference makes of it; the
+    /// notes say which do not. That none of a layer's counts is remembered too, of this network.
     ///
     /// # Errors
-    /// If nothing runs, and not for a driver's refusal alone: the device has no such precision, allows too little, or fails.
+    /// If nothing runs, and not for a driver's refusal alone: the device has no such precision, allows too
+    /// little, or fails.
     pub fn measure(
         &mut self,
         gpu: &Gpu,
@@ -150,8 +154,8 @@ impl Tuning {
         Ok(notes)
     }
 
-    /// Keeps what was measured of a network's layers. What was measured of them in another network stays where this one
-    /// brought nothing.
+    /// Keeps what was measured of a network's layers. What was measured of them in another network stays
+    /// where this one brought nothing.
     fn remember(&mut self, spec: &NetSpec, precision: Precision, size: [usize; 2], measured: &[Measured]) {
         let keys = keys(spec, precision, size, &self.limits);
         let known = self.file.devices.entry(self.device.clone()).or_default();
@@ -183,15 +187,16 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    /// What is measured of every layer. Kernels that are refused, fail or are wrong are noted; a failure is an error if
-    /// nothing else ran.
+    /// What is measured of every layer. Kernels that are refused, fail or are wrong are noted; a failure is
+    /// an error if nothing else ran.
     fn layers(&self, notes: &mut Vec<String>) -> Result<Vec<Measured>, ForwardError> {
         let mut measured = vec![Measured::default(); self.expected.len()];
         let mut failure = None;
         let mut times = |variant: &Variant| {
             self.times(variant, notes).unwrap_or_else(|error| {
                 notes.push(format!("refused with {variant:?}: {error}"));
-                // The software kernels have limits of their own, and every driver has a taste and faults of its own.
+                // The software kernels have limits of their own, and every driver has a taste and faults of
+                // its own.
                 if !matches!(
                     error,
                     ForwardError::Weights { .. }

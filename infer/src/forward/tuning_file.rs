@@ -41,7 +41,8 @@ impl Measured {
     }
 }
 
-/// What of a network does not work, measured as a whole: a layer's kernel is known to work only where all before it do.
+/// What of a network does not work, measured as a whole: a layer's kernel is known to work only where all
+/// before it do.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fails {
@@ -98,7 +99,8 @@ impl TuningFile {
         }
     }
 
-    /// Writes a file. Its folder is made where there is none, for nobody but the user: pipeline caches may lie there too.
+    /// Writes a file. Its folder is made where there is none, for nobody but the user: pipeline caches may
+    /// lie there too.
     ///
     /// # Errors
     /// If the file cannot be written.

@@ -7,9 +7,9 @@ use super::variant::shapes;
 use super::{Options, OutputKind, Precision, kernel};
 use crate::{NetSpec, Source};
 
-/// Every layer in words: all that its kernels' times depend on. Its size counts by its power of two, rounded: kernels that
-/// are fastest on a small image need not be on a large one. The sources and the device's limits stand for themselves by their
-/// hash, so that what was measured of others is not taken for theirs.
+/// Every layer in words: all that its kernels' times depend on. Its size counts by its power of two, rounded:
+/// kernels that are fastest on a small image need not be on a large one. The sources and the device's limits
+/// stand for themselves by their hash, so that what was measured of others is not taken for theirs.
 pub fn keys(
     spec: &NetSpec,
     precision: Precision,
@@ -55,7 +55,8 @@ pub fn network_key(layers: &[String]) -> String {
     short(&blake3::hash(layers.join("\n").as_bytes()))
 }
 
-/// A hash of the sources of all kernels that a layer may have, from buffers to buffers, and of a device's limits.
+/// A hash of the sources of all kernels that a layer may have, from buffers to buffers, and of a device's
+/// limits.
 fn hash(spec: &NetSpec, index: usize, precision: Precision, limits: &wgpu::Limits) -> String {
     let options = Options { precision, ..Options::default() };
     let mut hasher = blake3::Hasher::new();

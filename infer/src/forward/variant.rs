@@ -12,19 +12,19 @@ pub enum Precision {
     /// In 32-bit floats.
     #[default]
     F32,
-    /// In half floats, where the device has `SHADER_F16`: half the memory. A value above 65504 becomes infinite; other
-    /// errors are bounded by [`HALF_TOLERANCE`](super::HALF_TOLERANCE).
+    /// In half floats, where the device has `SHADER_F16`: half the memory. A value above 65504 becomes
+    /// infinite; other errors are bounded by [`HALF_TOLERANCE`](super::HALF_TOLERANCE).
     F16,
 }
 
 /// A set of kernels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Variant {
-    /// Kernels for software adapters: feature maps in textures, weights in uniform buffers, eight outputs of 2x2 pixels
-    /// an invocation. From buffers to buffers, in 32-bit floats.
+    /// Kernels for software adapters: feature maps in textures, weights in uniform buffers, eight outputs of
+    /// 2x2 pixels an invocation. From buffers to buffers, in 32-bit floats.
     Software,
-    /// Kernels for GPUs: feature maps in a storage buffer; the shape of each layer's kernel, one of those that
-    /// [`Variant::candidates`] have for it.
+    /// Kernels for GPUs: feature maps in a storage buffer; the shape of each layer's kernel, one of those
+    /// that [`Variant::candidates`] have for it.
     Gpu(Vec<Shape>),
 }
 
@@ -65,7 +65,8 @@ impl Variant {
         Self::Gpu(shapes_of_layers(limits, spec, output).into_iter().map(|shapes| shapes[0]).collect())
     }
 
-    /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best guess first.
+    /// Kernels for GPUs such that every shape that a layer's kernel may have is in one of them, the best
+    /// guess first.
     pub fn candidates(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Vec<Self> {
         let shapes = shapes_of_layers(limits, spec, output);
         let most = shapes.iter().map(Vec::len).max().unwrap_or(0);
@@ -79,10 +80,11 @@ fn shapes_of_layers(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -
     (0..spec.layers().len()).map(|index| shapes(spec, index, output, room)).collect()
 }
 
-/// The shapes that a layer's kernel may have within that many bytes of workgroup memory, the best guess first.
+/// The shapes that a layer's kernel may have within that many bytes of workgroup memory, the best guess
+/// first.
 ///
-/// A larger shape reads inputs and weights less often and keeps more sums in registers, of which an invocation has a
-/// limited number: 16 to 64 sums.
+/// A larger shape reads inputs and weights less often and keeps more sums in registers, of which an
+/// invocation has a limited number: 16 to 64 sums.
 pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Vec<Shape> {
     let layers = spec.layers();
     let pools = has_means(&layers, index);
@@ -94,7 +96,8 @@ pub fn shapes(spec: &NetSpec, index: usize, output: OutputKind, room: u32) -> Ve
         })
     });
     let sums = |shape: &Shape| shape.outputs * shape.pixels[0] * shape.pixels[1];
-    // An image has few outputs, so that its sums are few in any case. Without staging a few shapes show what it is worth.
+    // An image has few outputs, so that its sums are few in any case. Without staging a few shapes show what
+    // it is worth.
     let sensible = |shape: &Shape| {
         let few = if shape.staged { 16..=64 } else { 32..=32 };
         !layers[index].activation && layers[index].level == 0 || few.contains(&sums(shape))

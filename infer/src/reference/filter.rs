@@ -5,8 +5,8 @@ use crate::Correction;
 use crate::filter::{Filter, Tap};
 use deepshade_shaders::Planes;
 
-/// The image, `[light channels, height, width]`, of the padded light and of what the last convolution makes of the image's
-/// pixels, `[weights, height, width]`.
+/// The image, `[light channels, height, width]`, of the padded light and of what the last convolution makes
+/// of the image's pixels, `[weights, height, width]`.
 pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
     let pyramid = pyramid(light, filter.levels);
     let weights = softmax(made);
@@ -65,8 +65,8 @@ fn sample(image: &Planes, level: usize, channel: usize, at: [usize; 2], offset: 
     (1.0 - low) * row(top) + low * row(bottom)
 }
 
-/// The two pixels of a level's axis between whose centres a pixel of the image lies, moved by some pixels of the level, and
-/// the share of the second.
+/// The two pixels of a level's axis between whose centres a pixel of the image lies, moved by some pixels of
+/// the level, and the share of the second.
 fn between(at: usize, level: usize, offset: isize, size: usize) -> (usize, usize, f32) {
     let position = (at as f32 + 0.5) / (1 << level) as f32 - 0.5;
     let first = position.floor();

@@ -1,10 +1,10 @@
 //! Rays from one point to what is nearest.
 //!
-//! Rays of a camera share their origin. So most of the work of a ray is done once for a bundle of them: a box's sides
-//! seen from the origin, a triangle's edge planes. What is left for a ray is a few multiplications, a vector of rays an
-//! instruction. The bundle walks a binary hierarchy once (ray packets: Wald et al. 2001). The triangle test is
-//! Plücker's in the form of Embree, whose edges are exact opposites in two triangles that share them, so that no ray
-//! slips through between.
+//! Rays of a camera share their origin. So most of the work of a ray is done once for a bundle of them: a
+//! box's sides seen from the origin, a triangle's edge planes. What is left for a ray is a few
+//! multiplications, a vector of rays an instruction. The bundle walks a binary hierarchy once (ray packets:
+//! Wald et al. 2001). The triangle test is Plücker's in the form of Embree, whose edges are exact opposites
+//! in two triangles that share them, so that no ray slips through between.
 
 use glam::Vec3;
 use obvhs::{
@@ -203,8 +203,8 @@ impl<O: Fn(u32) -> bool, P: Fn(u32, Vec3) -> bool> Walk<'_, '_, O, P> {
         *nearest = simd.select_u32s(rays, simd.splat_u32s(triangle), *nearest);
     }
 
-    /// Which rays of a pack meet a triangle within their reach, and how fast they near it: the distance is `offset`
-    /// over that.
+    /// Which rays of a pack meet a triangle within their reach, and how fast they near it: the distance is
+    /// `offset` over that.
     #[inline(always)]
     fn meets_triangle<S: Simd>(
         &self,

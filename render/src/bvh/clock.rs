@@ -1,5 +1,5 @@
-//! How long rays take, for benchmarks: a stopwatch around every query of a hierarchy, which stands still unless somebody
-//! measures.
+//! How long rays take, for benchmarks: a stopwatch around every query of a hierarchy, which stands still
+//! unless somebody measures.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -18,8 +18,8 @@ pub struct RayTime {
     pub queries: u64,
 }
 
-/// Runs some work and says how long its rays took. Work of others at the same time is counted too; the stopwatch makes
-/// the work slower, so that its whole time is to be taken without it.
+/// Runs some work and says how long its rays took. Work of others at the same time is counted too; the
+/// stopwatch makes the work slower, so that its whole time is to be taken without it.
 pub fn timed<R>(work: impl FnOnce() -> R) -> (R, RayTime) {
     /// Queries that the stopwatch's own time is the mean of.
     const EMPTY: u32 = 100_000;

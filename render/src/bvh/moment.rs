@@ -1,8 +1,9 @@
 //! A scene at one moment of the exposure: what rays meet when triangles have moved.
 //!
-//! Where anything moves, a hierarchy of its own holds every triangle in the box of its whole way, and a triangle is put
-//! where it is at the ray's time before it is met (linear motion: Glassner 1988, "Spacetime ray tracing for
-//! animation"). The middle of the exposure, and scenes in which nothing moves, are traced as if there were no time.
+//! Where anything moves, a hierarchy of its own holds every triangle in the box of its whole way, and a
+//! triangle is put where it is at the ray's time before it is met (linear motion: Glassner 1988, "Spacetime
+//! ray tracing for animation"). The middle of the exposure, and scenes in which nothing moves, are traced as
+//! if there were no time.
 
 use super::translucent::left;
 use super::wide::{Ray, Wide};

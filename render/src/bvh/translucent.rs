@@ -1,7 +1,7 @@
-//! Rays that carry light through blended surfaces: [`TracedScene::hit`] shows a camera surfaces from half opacity on and
-//! [`TracedScene::blocked`] decides by the ray alone, so that neither gets nearer to the truth by more samples. Here, every
-//! blended triangle stops its share of rays by a number that each ray brings, or dims them all by its share. Masks are
-//! there or not, as everywhere.
+//! Rays that carry light through blended surfaces: [`TracedScene::hit`] shows a camera surfaces from half
+//! opacity on and [`TracedScene::blocked`] decides by the ray alone, so that neither gets nearer to the truth
+//! by more samples. Here, every blended triangle stops its share of rays by a number that each ray brings, or
+//! dims them all by its share. Masks are there or not, as everywhere.
 
 use super::{Hit, TracedScene, TriangleOrigin, ray};
 use crate::sampler::hash;
@@ -9,9 +9,9 @@ use glam::Vec3;
 use std::cell::Cell;
 
 impl TracedScene {
-    /// The nearest surface that stops light along a ray, up to `reach` lengths of `direction`. A blended triangle does
-    /// with the probability of its opacity, independently of every other, decided by `chance`, a random number in [0, 1),
-    /// which is drawn only in a scene with blended materials.
+    /// The nearest surface that stops light along a ray, up to `reach` lengths of `direction`. A blended
+    /// triangle does with the probability of its opacity, independently of every other, decided by `chance`,
+    /// a random number in [0, 1), which is drawn only in a scene with blended materials.
     pub fn hit_by_chance(
         &self,
         origin: Vec3,
@@ -29,15 +29,15 @@ impl TracedScene {
         self.nearest(ray(origin, direction, reach), |opacity, _| opacity >= 1.0)
     }
 
-    /// The share of light that gets through along a ray within `reach` lengths of `direction`: the product of what each
-    /// surface lets through, 0 behind an opaque one.
+    /// The share of light that gets through along a ray within `reach` lengths of `direction`: the product of
+    /// what each surface lets through, 0 behind an opaque one.
     pub fn let_through(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
         left(|ends| self.meets_any(ray(origin, direction, reach), |opacity, _| ends(opacity)))
     }
 }
 
-/// The share of light that surfaces leave: `meets` tells of the opacity of each that a ray meets, until told that no light
-/// is left, and whether one let none through.
+/// The share of light that surfaces leave: `meets` tells of the opacity of each that a ray meets, until told
+/// that no light is left, and whether one let none through.
 pub(super) fn left(meets: impl FnOnce(&dyn Fn(f32) -> bool) -> bool) -> f32 {
     let share = Cell::new(1.0f32);
     let ends = |opacity: f32| {

@@ -1,12 +1,13 @@
-//! An eight-wide hierarchy for single rays. A node holds the boxes of its eight children, a leaf the corners of up to
-//! eight triangles, components apart, so that a ray is tested against eight of them an instruction (Wald, Benthin and
-//! Boulos, "Getting Rid of Packets", 2008).
+//! An eight-wide hierarchy for single rays. A node holds the boxes of its eight children, a leaf the corners
+//! of up to eight triangles, components apart, so that a ray is tested against eight of them an instruction
+//! (Wald, Benthin and Boulos, "Getting Rid of Packets", 2008).
 //!
-//! What each step brought, nearest hits of diffuse bounces in Sponza, one thread of a Xeon at 2.5 GHz under other load,
-//! in parts of Embree 3.13's rate: `obvhs`' compressed eight-wide hierarchy 0.53; this one 1.12; a stack of 32 visits
-//! instead of 96, which is cleared for each ray, 1.2. What brought nothing and is left out: ending a leaf's test where
-//! no triangle is in the ray's line, other costs of leaves, twenty times as much reinsertion. Slabs of one fused
-//! multiply-add are 3 % faster and lose rays that run along a box's side.
+//! What each step brought, nearest hits of diffuse bounces in Sponza, one thread of a Xeon at 2.5 GHz under
+//! other load, in parts of Embree 3.13's rate: `obvhs`' compressed eight-wide hierarchy 0.53; this one 1.12;
+//! a stack of 32 visits instead of 96, which is cleared for each ray, 1.2. What brought nothing and is left
+//! out: ending a leaf's test where no triangle is in the ray's line, other costs of leaves, twenty times as
+//! much reinsertion. Slabs of one fused multiply-add are 3 % faster and lose rays that run along a box's
+//! side.
 
 mod collapse;
 mod eight;
@@ -30,7 +31,8 @@ pub struct Wide {
     order: Vec<u32>,
 }
 
-/// A ray. Its vectors are written to memory whole: where a processor reads together what was written in parts, it waits.
+/// A ray. Its vectors are written to memory whole: where a processor reads together what was written in
+/// parts, it waits.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     /// Where it starts, metres.
@@ -80,8 +82,8 @@ struct Leaf {
 }
 
 impl Wide {
-    /// An eight-wide hierarchy from a binary one that has one triangle a leaf. `corners` are those of a triangle,
-    /// `asked` says whether it is not simply there.
+    /// An eight-wide hierarchy from a binary one that has one triangle a leaf. `corners` are those of a
+    /// triangle, `asked` says whether it is not simply there.
     pub fn new(binary: &Bvh2, corners: impl Fn(u32) -> [Vec3; 3], asked: impl Fn(u32) -> bool) -> Self {
         let Tree { nodes, leaves, order, .. } = Tree::new(binary);
         let leaf = |range: &std::ops::Range<usize>| {
@@ -97,8 +99,9 @@ impl Wide {
         Self { processor: Processor::new(), nodes, leaves, ways: vec![], order }
     }
 
-    /// The same over triangles that move; the boxes of the binary hierarchy hold their whole ways. `ways` are the
-    /// displacements of a triangle's corners during the exposure, in whose middle they are where they are.
+    /// The same over triangles that move; the boxes of the binary hierarchy hold their whole ways. `ways` are
+    /// the displacements of a triangle's corners during the exposure, in whose middle they are where they
+    /// are.
     #[must_use]
     pub fn moving(mut self, ways: impl Fn(u32) -> [Vec3; 3]) -> Self {
         let ends = self.leaves.iter().skip(1).map(|leaf| leaf.first as usize).chain([self.order.len()]);
@@ -112,8 +115,8 @@ impl Wide {
         &self.order
     }
 
-    /// Distance and place of the nearest triangle within a ray's reach; of those that must be asked, only where they
-    /// are `there`.
+    /// Distance and place of the nearest triangle within a ray's reach; of those that must be asked, only
+    /// where they are `there`.
     #[inline(always)]
     pub fn nearest(&self, ray: &Ray, there: impl Fn(u32) -> bool) -> Option<(f32, u32)> {
         if self.ways.is_empty() {
@@ -122,8 +125,8 @@ impl Wide {
         self.processor.run(Walk::<_, true, true> { wide: self, ray, there })
     }
 
-    /// Whether any triangle is within a ray's reach; of those that must be asked, only where they are `there`. Each is
-    /// asked once.
+    /// Whether any triangle is within a ray's reach; of those that must be asked, only where they are
+    /// `there`. Each is asked once.
     #[inline(always)]
     pub fn blocked(&self, ray: &Ray, there: impl Fn(u32) -> bool) -> bool {
         if self.ways.is_empty() {
@@ -132,8 +135,9 @@ impl Wide {
         self.processor.run(Walk::<_, false, true> { wide: self, ray, there }).is_some()
     }
 
-    /// Bit `i` is set where any triangle is within the reach of the ray of direction `i`; of those that must be asked,
-    /// only where they are `there` for that direction. The nearer neighbours are to each other, the faster it goes.
+    /// Bit `i` is set where any triangle is within the reach of the ray of direction `i`; of those that must
+    /// be asked, only where they are `there` for that direction. The nearer neighbours are to each other, the
+    /// faster it goes.
     pub fn all_blocked(&self, fan: Fan<'_>, there: impl Fn(u32, Vec3) -> bool) -> u64 {
         self.processor.run(WalkAll { wide: self, fan, there })
     }

@@ -1,4 +1,5 @@
-//! What a file shows, layer by layer, whoever wrote it: for looking at, where [`ExrImage::image`] knows what it wants.
+//! What a file shows, layer by layer, whoever wrote it: for looking at, where [`ExrImage::image`] knows what
+//! it wants.
 
 use super::names::Found;
 use super::{ExrError, ExrImage};
@@ -8,8 +9,9 @@ use deepshade_shaders::Planes;
 const TRIPLES: [[&str; 3]; 2] = [["R", "G", "B"], ["X", "Y", "Z"]];
 
 impl ExrImage {
-    /// Names of the layers, in the file's order: channels `diffuse.R`, `.G` and `.B` are the layer `diffuse`, vectors in X, Y
-    /// and Z as well, and every other channel is one by itself. Colours without a layer's name are `RGB`.
+    /// Names of the layers, in the file's order: channels `diffuse.R`, `.G` and `.B` are the layer `diffuse`,
+    /// vectors in X, Y and Z as well, and every other channel is one by itself. Colours without a layer's
+    /// name are `RGB`.
     pub fn layers(&self) -> Vec<String> {
         self.grouped().into_iter().map(|(name, _)| name).collect()
     }

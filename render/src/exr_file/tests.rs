@@ -232,8 +232,8 @@ fn malicious_files_are_refused_for_what_is_wrong() {
     assert!(waves.width() > 100 && waves.names.iter().any(|name| name == "R"));
 }
 
-/// Prints how long each lossless compression takes on a rendered pair and what it saves; the one in use must give the
-/// smallest file.
+/// Prints how long each lossless compression takes on a rendered pair and what it saves; the one in use must
+/// give the smallest file.
 #[test]
 fn compression() {
     let scene = TracedScene::new(Family::ALL[0].scene(1)).expect("a scene");

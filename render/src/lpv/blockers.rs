@@ -1,8 +1,9 @@
 //! Fuzzy blockers: how much of the light between neighbouring cells surfaces hold back.
 //!
-//! As in Kaplanyan and Dachsbacher 2010 they lie on a lattice of their own, shifted by half a cell, so that what stands
-//! between the middles of cells is in one of its cubes. A cube keeps the matrix `sum A n n^T / s^2` of its surfels'
-//! areas, unit normals and its edge, from which follows what they hide along a direction, whichever way they face.
+//! As in Kaplanyan and Dachsbacher 2010 they lie on a lattice of their own, shifted by half a cell, so that
+//! what stands between the middles of cells is in one of its cubes. A cube keeps the matrix
+//! `sum A n n^T / s^2` of its surfels' areas, unit normals and its edge, from which follows what they hide
+//! along a direction, whichever way they face.
 
 use super::LightGrid;
 use super::lattice::{LINKS, neighbours};
@@ -93,8 +94,8 @@ fn trace(matrix: Mat3) -> f32 {
     matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z
 }
 
-/// What surfaces of such a matrix hide on a way through their cube, in cells: of a plane how often it is crossed, `A |n
-/// . way| / s^2`, exactly; of surfaces that face all ways alike 1.15 times that.
+/// What surfaces of such a matrix hide on a way through their cube, in cells: of a plane how often it is
+/// crossed, `A |n . way| / s^2`, exactly; of surfaces that face all ways alike 1.15 times that.
 fn opacity(matrix: Mat3, way: Vec3) -> f32 {
     (trace(matrix) * way.dot(matrix * way)).max(0.0).sqrt().min(1.0)
 }

@@ -1,10 +1,11 @@
-//! Finer grids in coarser ones (Kaplanyan and Dachsbacher 2010, section 5): as many cells around the camera that are half as
-//! large, and so on.
+//! Finer grids in coarser ones (Kaplanyan and Dachsbacher 2010, section 5): as many cells around the camera
+//! that are half as large, and so on.
 //!
-//! The coarsest grid holds all of the scene and is done first, as if it were alone. What it shows is the sum of all
-//! iterations, so what has gone through each of its cells is known, and a finer grid begins with all of that at once in the
-//! cells along its border, beside the light of its own surfaces and medium. From then on the border takes what arrives.
-//! Nothing has to be handed back: light that leaves the finer grid is in the coarser one, as is what comes back of it.
+//! The coarsest grid holds all of the scene and is done first, as if it were alone. What it shows is the sum
+//! of all iterations, so what has gone through each of its cells is known, and a finer grid begins with all
+//! of that at once in the cells along its border, beside the light of its own surfaces and medium. From then
+//! on the border takes what arrives. Nothing has to be handed back: light that leaves the finer grid is in
+//! the coarser one, as is what comes back of it.
 
 use super::lattice::mean;
 use super::lobe::Lobes;
@@ -13,8 +14,9 @@ use super::{Flight, LightGrid, Volume};
 use glam::Vec4;
 
 impl Flight {
-    /// Fluence of light of a cell, such as to make it so bright in all iterations, over the energy that arrives there: as
-    /// if as much went through the cells beside it. Of scattered light, or else of light that met no medium.
+    /// Fluence of light of a cell, such as to make it so bright in all iterations, over the energy that
+    /// arrives there: as if as much went through the cells beside it. Of scattered light, or else of light
+    /// that met no medium.
     fn way_of(&self, lobes: Lobes, light: Vec4, is_scattered: bool) -> f32 {
         let energies = lobes.by_class(&lobes.begins(light)).map(|energy| energy / light.w.max(1e-37));
         let along = |of: &dyn Fn(usize) -> f32| {

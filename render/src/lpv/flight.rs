@@ -1,20 +1,22 @@
 //! What a medium does to light between a cell and its neighbours.
 //!
-//! The way to a neighbour lies in the cell up to a share of it, and in the neighbour from there on; collisions happen
-//! where they lie. The share is chosen so that in a medium that is the same everywhere the squared distance between two
-//! collisions is on average `2 / sigma^2`, as it is on exponential flights, whatever the length of a cell. Light that
-//! collides in its cell and is scattered there may collide there again: the sum of all of that is a geometric series,
-//! so that one iteration takes light on by a cell, be a cell as many mean free paths long as it may.
+//! The way to a neighbour lies in the cell up to a share of it, and in the neighbour from there on;
+//! collisions happen where they lie. The share is chosen so that in a medium that is the same everywhere the
+//! squared distance between two collisions is on average `2 / sigma^2`, as it is on exponential flights,
+//! whatever the length of a cell. Light that collides in its cell and is scattered there may collide there
+//! again: the sum of all of that is a geometric series, so that one iteration takes light on by a cell, be a
+//! cell as many mean free paths long as it may.
 //!
-//! In truth the mean length of the way through a body of even light that shines on it from everywhere depends on its form
-//! alone, not on how it scatters (Blanco and Fournier 2003), since what enters a dense body mostly turns back at once.
-//! Here, where all that collides in a cell does so in its middle, that way grows with extinction. So from a thinner cell only
-//! as much enters a denser one as keeps even light even where nothing is absorbed, and of the rest as much turns back as half
-//! a space of the medium reflects of diffuse light.
+//! In truth the mean length of the way through a body of even light that shines on it from everywhere depends
+//! on its form alone, not on how it scatters (Blanco and Fournier 2003), since what enters a dense body
+//! mostly turns back at once. Here, where all that collides in a cell does so in its middle, that way grows
+//! with extinction. So from a thinner cell only as much enters a denser one as keeps even light even where
+//! nothing is absorbed, and of the rest as much turns back as half a space of the medium reflects of diffuse
+//! light.
 //!
-//! Billeter, Sintorn and Assarsson 2012, equation (3), lets all collisions happen in the cell that light leaves and
-//! takes what is scattered on to a neighbour: each collision costs at least the length of a cell, in dense media many
-//! times what it should.
+//! Billeter, Sintorn and Assarsson 2012, equation (3), lets all collisions happen in the cell that light
+//! leaves and takes what is scattered on to a neighbour: each collision costs at least the length of a cell,
+//! in dense media many times what it should.
 
 use super::lattice::{CLASSES, DISTANCES, mean};
 use std::sync::LazyLock;
@@ -30,8 +32,8 @@ pub enum Factors {
     Placed,
     /// In the cell that light leaves: `1 - exp(-sigma d)` of what goes to a neighbour at a distance of `d`.
     Exponential,
-    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is left where
-    /// that is above 1.
+    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is
+    /// left where that is above 1.
     Linear,
 }
 
@@ -60,7 +62,8 @@ pub struct Flight {
     pub enters: [f32; CLASSES],
     /// Of a collision there, what is scattered.
     pub albedo: f32,
-    /// Of light that collides on its way out, what sets out again in all directions, over all collisions in the cell.
+    /// Of light that collides on its way out, what sets out again in all directions, over all collisions in
+    /// the cell.
     pub again: f32,
     /// Mean length of the way in the cell of light that sets out from it.
     pub track_out: f32,
@@ -109,8 +112,8 @@ impl Flight {
         }
     }
 
-    /// What of light from a cell that goes to this one, a neighbour of a kind, goes in; the rest [`turns`](Self::turns)
-    /// back. What passes straight through does not turn.
+    /// What of light from a cell that goes to this one, a neighbour of a kind, goes in; the rest
+    /// [`turns`](Self::turns) back. What passes straight through does not turn.
     pub fn lets_in(&self, from: &Self, class: usize) -> f32 {
         // Of extinction without end neither sends anything.
         let share =
@@ -143,8 +146,8 @@ impl Flight {
     }
 }
 
-/// What half a space of a medium reflects of diffuse light: the spherical albedo of isotropic scattering, to 2 % (Hapke
-/// 1981, equation 39).
+/// What half a space of a medium reflects of diffuse light: the spherical albedo of isotropic scattering, to
+/// 2 % (Hapke 1981, equation 39).
 pub fn reflectance(albedo: f32) -> f32 {
     let gamma = (1.0 - albedo).max(0.0).sqrt();
     (1.0 - gamma) / (1.0 + gamma) * (1.0 - gamma / (3.0 + 3.0 * gamma))
@@ -168,7 +171,8 @@ pub const PER_DOUBLING: f32 = 4.0;
 /// Entries of [`table`], up to an extinction of 2^26.
 pub const ENTRIES: usize = 129;
 
-/// Shares of the way to a neighbour that lie in the cell, by extinction; between them [`own_share`] is linear.
+/// Shares of the way to a neighbour that lie in the cell, by extinction; between them [`own_share`] is
+/// linear.
 pub fn table() -> &'static [f32; ENTRIES] {
     static TABLE: LazyLock<[f32; ENTRIES]> = LazyLock::new(|| {
         std::array::from_fn(|i| exact_share(f64::from(FIRST + i as f32 / PER_DOUBLING).exp2()))
@@ -194,9 +198,9 @@ fn exact_share(extinction: f64) -> f32 {
     (0.5 * (low + high)) as f32
 }
 
-/// Mean squared distance to the next collision of light that sets out alike in all directions, over `2 / extinction^2`:
-/// the sum over the steps of a walk whose direction is kept, where a collision on the second part of a way is in the
-/// cell beyond.
+/// Mean squared distance to the next collision of light that sets out alike in all directions, over
+/// `2 / extinction^2`: the sum over the steps of a walk whose direction is kept, where a collision on the
+/// second part of a way is in the cell beyond.
 fn moment_ratio(extinction: f64, share: f64) -> f64 {
     let mean = |of: &dyn Fn(f64) -> f64| -> f64 {
         let weights = [6.0 / 21.0, 48.0 / 105.0, 72.0 / 280.0];

@@ -10,7 +10,8 @@ const MARGIN: i32 = 1;
 /// Most cells along an axis.
 const MOST: i32 = 128;
 
-/// How far from the border a finer grid begins to light what is in it, and from where on it does alone, cells.
+/// How far from the border a finer grid begins to light what is in it, and from where on it does alone,
+/// cells.
 pub const FADES: [f32; 2] = [2.0, 4.0];
 
 /// Cubic cells around a scene.
@@ -35,8 +36,8 @@ impl LightGrid {
         Self { low, cell, size }
     }
 
-    /// As many cells of half the edge around a point: a box of half the extent, which begins and ends between cells of this
-    /// grid and lies within it.
+    /// As many cells of half the edge around a point: a box of half the extent, which begins and ends between
+    /// cells of this grid and lies within it.
     pub fn nested(&self, focus: Vec3) -> Self {
         let covers = (self.size + 1) / 2;
         let begin = (self.in_cells(focus) - 0.5 * covers.as_vec3() + 0.5).floor();
@@ -49,8 +50,8 @@ impl LightGrid {
         at.min(self.size - 1 - at).min_element()
     }
 
-    /// How much a point of a finer grid is lit by it, and not by the one around it: nothing beside the border, where light
-    /// of the other is handed over, and all farther in.
+    /// How much a point of a finer grid is lit by it, and not by the one around it: nothing beside the
+    /// border, where light of the other is handed over, and all farther in.
     pub fn share_of(&self, point: Vec3) -> f32 {
         let at = self.in_cells(point);
         let depth = at.min(self.size.as_vec3() - at).min_element();

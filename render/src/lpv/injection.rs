@@ -1,5 +1,5 @@
-//! What is in a volume before the first iteration: light that surfels reflect or emit, light of the lamps that the medium
-//! scatters, and the medium itself.
+//! What is in a volume before the first iteration: light that surfels reflect or emit, light of the lamps
+//! that the medium scatters, and the medium itself.
 
 use super::flight::Factors;
 use super::lobe::MATTE;
@@ -25,7 +25,8 @@ fn laid<'a>(disks: &'a [Disk], camera: &'a Camera) -> impl Iterator<Item = (&'a 
     })
 }
 
-/// Sends so many watts from one side of a surface. Light begins half a cell before it, so that it lies before what blocks.
+/// Sends so many watts from one side of a surface. Light begins half a cell before it, so that it lies before
+/// what blocks.
 fn send(light: &mut [Light], grid: &LightGrid, (point, normal): (Vec3, Vec3), power: Vec3) {
     if let Some(index) = grid.index((grid.in_cells(point) + 0.5 * normal).floor().as_ivec3()) {
         let moments = (MATTE * normal).extend(1.0);
@@ -49,7 +50,8 @@ fn surfaces(
     (light, blockers)
 }
 
-/// What disks send from each of their sides that is outside of bodies: watts a square metre of patch, point and normal.
+/// What disks send from each of their sides that is outside of bodies: watts a square metre of patch, point
+/// and normal.
 pub fn sent_from(
     grid: &LightGrid,
     disks: &[Disk],
@@ -65,10 +67,12 @@ pub fn sent_from(
     light
 }
 
-/// The first of Gauss' two points along an edge, and from there to the second, as shares of it. No surface is likely to be there.
+/// The first of Gauss' two points along an edge, and from there to the second, as shares of it. No surface is
+/// likely to be there.
 const GAUSS: [f32; 2] = [0.211_324_87, 0.577_350_26];
 
-/// What of a cell lies in a medium's box, so that none is lost between the points of a cell that is larger than it.
+/// What of a cell lies in a medium's box, so that none is lost between the points of a cell that is larger
+/// than it.
 struct CellPart {
     low: Vec3,
     /// Edges, metres; none is below 0.
@@ -103,8 +107,9 @@ fn density(grid: &LightGrid, index: usize, medium: &Medium) -> f32 {
     part.points().map(|point| medium.density.inside(point)).sum::<f32>() / 8.0 * part.share
 }
 
-/// What a medium does in each cell: all of it to light that is lost where it is scattered; to such as is followed, if it
-/// `is_similar`, one that scatters alike in all directions, and as much less of it as keeps the mean flux (van de Hulst 1980).
+/// What a medium does in each cell: all of it to light that is lost where it is scattered; to such as is
+/// followed, if it `is_similar`, one that scatters alike in all directions, and as much less of it as keeps
+/// the mean flux (van de Hulst 1980).
 pub fn flights(
     grid: &LightGrid,
     medium: Option<&Medium>,
@@ -122,8 +127,8 @@ pub fn flights(
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// Light of the lamps that the medium in each cell scatters, with exact shadows; it goes on along the mean of the phase
-/// function.
+/// Light of the lamps that the medium in each cell scatters, with exact shadows; it goes on along the mean of
+/// the phase function.
 pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     let Some(medium) = scene.scene().medium.as_deref() else { return vec![[Vec4::ZERO; 3]; grid.cells()] };
     let of_cell = |index: usize| {
@@ -149,8 +154,8 @@ pub fn single_scattering(grid: &LightGrid, scene: &TracedScene) -> Vec<Light> {
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// Light that the medium in each cell sends by itself, alike in all directions: `sent` is the radiance that it would have at a point
-/// where nothing is seen through it. What scatters light sends none of its own.
+/// Light that the medium in each cell sends by itself, alike in all directions: `sent` is the radiance that
+/// it would have at a point where nothing is seen through it. What scatters light sends none of its own.
 pub fn sent_by_medium(grid: &LightGrid, medium: &Medium, sent: impl Fn(Vec3) -> Vec3 + Sync) -> Vec<Light> {
     let of_cell = |index: usize| {
         let part = CellPart::of(grid, grid.at(index), &medium.density);
@@ -161,8 +166,8 @@ pub fn sent_by_medium(grid: &LightGrid, medium: &Medium, sent: impl Fn(Vec3) -> 
     (0..grid.cells()).into_par_iter().map(of_cell).collect()
 }
 
-/// What the medium in each cell scatters of light whose flux and energy times lengths of ways, watts times cells, are
-/// known; a grid's medium scatters alike in all directions.
+/// What the medium in each cell scatters of light whose flux and energy times lengths of ways, watts times
+/// cells, are known; a grid's medium scatters alike in all directions.
 pub fn scattered(grid: &LightGrid, medium: Option<&Medium>, ways: &[Light]) -> Vec<Light> {
     let Some(medium) = medium else { return vec![Light::default(); grid.cells()] };
     let scattering = medium.scattering * (1.0 - medium.anisotropy) * grid.cell;

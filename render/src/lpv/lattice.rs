@@ -1,6 +1,6 @@
-//! The 26 neighbours of a cell, and the share of all directions that each stands for: the weights of Lebedev's rule of
-//! 26 points (1976), with which sums over neighbours are integrals over the sphere for polynomials up to the seventh
-//! degree. So what two bands say of energy and flux is kept exactly.
+//! The 26 neighbours of a cell, and the share of all directions that each stands for: the weights of
+//! Lebedev's rule of 26 points (1976), with which sums over neighbours are integrals over the sphere for
+//! polynomials up to the seventh degree. So what two bands say of energy and flux is kept exactly.
 
 use glam::{IVec3, Vec3};
 use std::sync::LazyLock;

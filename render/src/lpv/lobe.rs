@@ -1,9 +1,9 @@
-//! How light in a cell is spread over directions, by its energy and its flux: as the square of what is above 0 of a
-//! function of two spherical harmonic bands, `max(0, p + v . w)^2`. It is nowhere negative, however directed the light,
-//! and needs as many numbers as two bands do. Its mean direction may be 3/4 long, somewhat more than that of light from
-//! a matte surface; what is directed more is spread until it is. Sums over the 26 neighbours of a cell give its energy,
-//! to which it is scaled; its flux they give exactly up to half of the energy, as long as the function is nowhere below
-//! 0, and to 4 % beyond.
+//! How light in a cell is spread over directions, by its energy and its flux: as the square of what is above
+//! 0 of a function of two spherical harmonic bands, `max(0, p + v . w)^2`. It is nowhere negative, however
+//! directed the light, and needs as many numbers as two bands do. Its mean direction may be 3/4 long,
+//! somewhat more than that of light from a matte surface; what is directed more is spread until it is. Sums
+//! over the 26 neighbours of a cell give its energy, to which it is scaled; its flux they give exactly up to
+//! half of the energy, as long as the function is nowhere below 0, and to 4 % beyond.
 
 use super::lattice::{CLASSES, COUNTS, Neighbour, SHARES, neighbours};
 use super::moments::{MATTE_SECOND, Moments};
@@ -24,12 +24,14 @@ pub enum Lobes {
     /// As above.
     #[default]
     Squared,
-    /// Two bands by themselves, which may be negative, as in Billeter et al. 2012: what goes to a neighbour is their
-    /// product with a transfer function, of a cone as wide as the neighbour's share of all directions in two bands, and
-    /// is spread there as that function is. The shares add up to 1, so that energy is kept.
+    /// Two bands by themselves, which may be negative, as in Billeter et al. 2012: what goes to a neighbour
+    /// is their product with a transfer function, of a cone as wide as the neighbour's share of all
+    /// directions in two bands, and is spread there as that function is. The shares add up to 1, so that
+    /// energy is kept.
     TwoBands,
-    /// The same with second moments, in three bands, which Billeter et al. 2012 tried and left for the ringing. What begins in a cell
-    /// has those of a matte surface's light of its flux; what is shown is energy and flux, as of the others.
+    /// The same with second moments, in three bands, which Billeter et al. 2012 tried and left for the
+    /// ringing. What begins in a cell has those of a matte surface's light of its flux; what is shown is
+    /// energy and flux, as of the others.
     ThreeBands,
 }
 
@@ -63,7 +65,8 @@ impl Lobes {
         }
     }
 
-    /// Energy towards all neighbours of each kind together, in the sum over which bands but the first are nothing.
+    /// Energy towards all neighbours of each kind together, in the sum over which bands but the first are
+    /// nothing.
     pub(crate) fn by_class(self, kept: &Moments) -> [f32; CLASSES] {
         if self != Self::Squared {
             return std::array::from_fn(|class| COUNTS[class] * SHARES[class] * kept.light.w);
@@ -99,8 +102,8 @@ impl Lobes {
         Moments::about(normal, MATTE, second)
     }
 
-    /// Means of the first two Legendre polynomials of cosines with the way to a neighbour, over light that has gone there; of
-    /// bands it fills a cone that is so large a share of all directions.
+    /// Means of the first two Legendre polynomials of cosines with the way to a neighbour, over light that
+    /// has gone there; of bands it fills a cone that is so large a share of all directions.
     fn means(self, class: usize) -> [f32; 2] {
         let share = SHARES[class];
         match self {
@@ -120,7 +123,8 @@ pub fn lobe(moments: Vec4) -> Vec4 {
     }
     let length = flux.length();
     let directed = (length / energy.max(1e-30)).min(MOST_DIRECTED);
-    // Of such light of all directions, not of 26 alone, they follow from the integrals of (p + v x)^2 and x (p + v x)^2.
+    // Of such light of all directions, not of 26 alone, they follow from the integrals of (p + v x)^2 and x
+    // (p + v x)^2.
     let (p, v) = if directed < 0.5 {
         (1.0 + (1.0 - 3.0 * directed * directed).sqrt(), 3.0 * directed)
     } else {
@@ -145,8 +149,9 @@ pub fn towards(lobe: Vec4, direction: Vec3) -> f32 {
     root * root
 }
 
-/// Irradiance of light of a flux and, last, an energy on the front of a surface: of a lobe of these the bands of the
-/// clamped cosine up to the second. The next that it has is the fourth, of which a lobe has none or little.
+/// Irradiance of light of a flux and, last, an energy on the front of a surface: of a lobe of these the bands
+/// of the clamped cosine up to the second. The next that it has is the fourth, of which a lobe has none or
+/// little.
 pub fn irradiance(light: Vec4, normal: Vec3) -> f32 {
     let (flux, energy) = (light.xyz(), light.w.max(1e-30));
     let length = flux.length();

@@ -1,10 +1,11 @@
-//! Light propagation volumes with multiple scattering, in plain Rust: the oracle of `shaders/wgsl/methods/lpv`.
+//! Light propagation volumes with multiple scattering, in plain Rust: the oracle of
+//! `shaders/wgsl/methods/lpv`.
 //!
-//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination"; Billeter,
-//! Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes". A [`grid`] of cells
-//! holds light as energy and flux of three colours; each iteration takes it on to the 26 neighbours of a [`lattice`],
-//! spread over directions as a [`lobe`], through what [`blockers`] leave open, and lets the medium on the way scatter
-//! it, as a [`flight`] says.
+//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination";
+//! Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes". A
+//! [`grid`] of cells holds light as energy and flux of three colours; each iteration takes it on to the 26
+//! neighbours of a [`lattice`], spread over directions as a [`lobe`], through what [`blockers`] leave open,
+//! and lets the medium on the way scatter it, as a [`flight`] says.
 
 pub mod blockers;
 pub mod cascade;

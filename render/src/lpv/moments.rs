@@ -1,4 +1,5 @@
-//! Light of one colour in a cell by its moments: energy, flux and, in three spherical harmonic bands, second moments.
+//! Light of one colour in a cell by its moments: energy, flux and, in three spherical harmonic bands, second
+//! moments.
 
 use super::lobe::MATTE;
 use glam::{Vec3, Vec4, Vec4Swizzles};
@@ -7,8 +8,8 @@ use std::ops::{Add, AddAssign, Mul};
 /// How many second moments there are.
 pub const SECONDS: usize = 5;
 
-/// xx, yy, xy, xz and yz of a symmetric matrix, the mean of `w w^T - 1/3` over the directions of light times its energy;
-/// zz is what makes its trace 0.
+/// xx, yy, xy, xz and yz of a symmetric matrix, the mean of `w w^T - 1/3` over the directions of light times
+/// its energy; zz is what makes its trace 0.
 pub type Second = [f32; SECONDS];
 
 /// Mean of Legendre's second polynomial over light that a matte surface sends.
@@ -27,15 +28,16 @@ impl Moments {
     /// No light.
     pub const NONE: Self = Self { light: Vec4::ZERO, second: [0.0; SECONDS] };
 
-    /// Light of an energy of 1 about a direction, of a mean cosine with it and a mean of Legendre's second polynomial.
+    /// Light of an energy of 1 about a direction, of a mean cosine with it and a mean of Legendre's second
+    /// polynomial.
     pub fn about(direction: Vec3, cosine: f32, second: f32) -> Self {
         let Vec3 { x, y, z } = direction;
         let products = [x * x - 1.0 / 3.0, y * y - 1.0 / 3.0, x * y, x * z, y * z];
         Self { light: (direction * cosine).extend(1.0), second: products.map(|product| second * product) }
     }
 
-    /// Light of a flux and, last, an energy, whose second moments are not known: as if a matte surface had sent all that has
-    /// a direction.
+    /// Light of a flux and, last, an energy, whose second moments are not known: as if a matte surface had
+    /// sent all that has a direction.
     pub fn as_of_matte(light: Vec4) -> Self {
         let length = light.xyz().length();
         let directed = (length / light.w.max(1e-30)).min(1.0);

@@ -1,12 +1,14 @@
 //! Propagation: equation (3) of Billeter et al. 2012, with the flights and lobes of this module.
 //!
-//! Kinds of light are kept apart by what they met, so that what is shown can leave out what other methods show sharper:
-//! light that met no medium yet by how often surfaces have reflected it, and light that was scattered.
+//! Kinds of light are kept apart by what they met, so that what is shown can leave out what other methods
+//! show sharper: light that met no medium yet by how often surfaces have reflected it, and light that was
+//! scattered.
 //!
-//! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends it goes on sending it.
-//! In two bands both are handed on alike. Other lobes depend on all light in a cell: where pulses of all walls of a room cross in its
-//! middle they become one without a direction, and stay; steady light is even there, but much light drags along the little that
-//! comes against it, so that surfaces beside bright ones get too little.
+//! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends
+//! it goes on sending it. In two bands both are handed on alike. Other lobes depend on all light in a cell:
+//! where pulses of all walls of a room cross in its middle they become one without a direction, and stay;
+//! steady light is even there, but much light drags along the little that comes against it, so that surfaces
+//! beside bright ones get too little.
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
@@ -39,8 +41,8 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Of light that surfaces send into a cell and that collides there, what goes in: the rest goes back to them and
-    /// comes again, in their colour.
+    /// Of light that surfaces send into a cell and that collides there, what goes in: the rest goes back to
+    /// them and comes again, in their colour.
     pub fn goes_in(&self, cell: usize, colour: usize) -> f32 {
         let flight = &self.flights[cell][colour];
         let back = (1.0 - flight.opens) * flight.turns * self.reflectances[cell][colour];
@@ -51,8 +53,8 @@ impl Volume {
 /// Kinds of light that are kept apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kinds {
-    /// Of light that met no medium: reflected once, and so on; the last of them more often, too, where there is
-    /// scattered light, which is the last kind.
+    /// Of light that met no medium: reflected once, and so on; the last of them more often, too, where there
+    /// is scattered light, which is the last kind.
     pub unscattered: usize,
     /// Whether light goes on that was scattered.
     pub scattered: bool,
@@ -88,8 +90,8 @@ impl Steady {
     }
 }
 
-/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of a pulse summed over
-/// all iterations.
+/// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of
+/// a pulse summed over all iterations.
 #[derive(Clone, Debug)]
 pub struct Shown {
     /// By the medium: the last kind that met no medium, and scattered light.
@@ -237,8 +239,8 @@ impl Field {
         all.map(|kept| f64::from(self.scheme.lobes.light(kept).w)).sum()
     }
 
-    /// What cells would hand on to others where nothing blocks or collides, watts: of it what is less than nothing, and all, both
-    /// without a sign.
+    /// What cells would hand on to others where nothing blocks or collides, watts: of it what is less than
+    /// nothing, and all, both without a sign.
     pub fn handed_on(&self, grid: &LightGrid) -> [f64; 2] {
         let mut sums = [0.0; 2];
         for (cell, kept) in self.lobes.iter().flat_map(|lobes| lobes.iter().enumerate()) {

@@ -1,4 +1,5 @@
-//! How propagation may be done: as here, or, to be compared with it, as in Billeter, Sintorn and Assarsson 2012.
+//! How propagation may be done: as here, or, to be compared with it, as in Billeter, Sintorn and Assarsson
+//! 2012.
 
 use super::flight::Factors;
 use super::lobe::Lobes;
@@ -9,7 +10,8 @@ use super::lobe::Lobes;
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Lookup {
-    /// The eight around a point half a cell before it, but for those behind it: what is behind a wall does not light it.
+    /// The eight around a point half a cell before it, but for those behind it: what is behind a wall does
+    /// not light it.
     #[default]
     Before,
     /// The one that it is in, as the paper's section 4.3 has it.
@@ -21,13 +23,15 @@ pub enum Lookup {
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 pub struct Scheme {
-    /// How collisions with the medium are counted: where they happen, or in the cell that light leaves, by an exponential or, as
-    /// Billeter et al. 2012 have it, a linear factor.
+    /// How collisions with the medium are counted: where they happen, or in the cell that light leaves, by an
+    /// exponential or, as Billeter et al. 2012 have it, a linear factor.
     pub factors: Factors,
-    /// How light in a cell is spread over directions: as the square of a function of two bands, or, as Billeter et al. 2012 have
-    /// it, in two bands, which may be negative, or in three, which they left for the ringing.
+    /// How light in a cell is spread over directions: as the square of a function of two bands, or, as
+    /// Billeter et al. 2012 have it, in two bands, which may be negative, or in three, which they left for
+    /// the ringing.
     pub lobes: Lobes,
-    /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is within.
+    /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is
+    /// within.
     pub lookup: Lookup,
 }
 

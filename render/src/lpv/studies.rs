@@ -28,8 +28,8 @@ pub fn lit(volume: &Volume, at: IVec3, moments: Vec4) -> Field {
     Field::scattered(volume.scheme, &light)
 }
 
-/// Light of a point that sends alike in all directions, after so many iterations, in a grid of `2 half + 1` cells to a
-/// side of a medium of such an extinction per cell.
+/// Light of a point that sends alike in all directions, after so many iterations, in a grid of `2 half + 1`
+/// cells to a side of a medium of such an extinction per cell.
 pub fn around_a_point(
     scheme: Scheme,
     [extinction, albedo]: [f32; 2],
@@ -43,9 +43,10 @@ pub fn around_a_point(
     (volume, field)
 }
 
-/// By how much collisions are too far from a point source, squared: over the mean free path `l`, in cells, that of exponential
-/// flights whose collisions have the mean squared distance measured, in a cube of the same size. Where the cube is large, that is
-/// the distance over `2 l^2 / (1 - albedo)`; where little light stays in it the distance itself tells next to nothing.
+/// By how much collisions are too far from a point source, squared: over the mean free path `l`, in cells,
+/// that of exponential flights whose collisions have the mean squared distance measured, in a cube of the
+/// same size. Where the cube is large, that is the distance over `2 l^2 / (1 - albedo)`; where little light
+/// stays in it the distance itself tells next to nothing.
 pub fn moment_ratio(scheme: Scheme, path: f32, flights: &Flights, half: i32) -> f64 {
     let albedo = flights.albedo as f32;
     let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
@@ -58,13 +59,14 @@ pub fn moment_ratio(scheme: Scheme, path: f32, flights: &Flights, half: i32) -> 
     (flights.path(second / all, f64::from(half) + 0.5) / f64::from(path)).powi(2)
 }
 
-/// Exponential flights in all directions from the middle of a cube, beyond which nothing comes back; the mean free path is 1.
+/// Exponential flights in all directions from the middle of a cube, beyond which nothing comes back; the mean
+/// free path is 1.
 #[derive(Clone, Debug)]
 pub struct Flights {
     /// What is left of light after a collision.
     pub albedo: f64,
-    /// Of cubes of growing half edges, [`CUBES`] to a mean free path, the collisions in each: their weights, and these times squared
-    /// distances.
+    /// Of cubes of growing half edges, [`CUBES`] to a mean free path, the collisions in each: their weights,
+    /// and these times squared distances.
     within: Vec<[f64; 2]>,
 }
 
@@ -113,7 +115,8 @@ impl Flights {
         by_cube
     }
 
-    /// Mean squared distance of collisions from the middle of a cube of such half edges, of a mean free path in the same unit.
+    /// Mean squared distance of collisions from the middle of a cube of such half edges, of a mean free path
+    /// in the same unit.
     pub fn moment(&self, path: f64, half: f64) -> f64 {
         // Sums are those at the far ends of cubes.
         let at = (half / path * CUBES as f64 - 1.0).clamp(0.0, (self.within.len() - 1) as f64);
@@ -152,7 +155,8 @@ impl Xorshift {
     }
 }
 
-/// Largest share of its energy that light loses in an iteration where nothing is absorbed, before any leaves the grid.
+/// Largest share of its energy that light loses in an iteration where nothing is absorbed, before any leaves
+/// the grid.
 pub fn energy_loss(scheme: Scheme, extinction: f32) -> f64 {
     let volume = alike(scheme, IVec3::splat(25), Flight::by(scheme.factors, extinction, 1.0));
     let mut field = lit(&volume, IVec3::splat(12), Vec4::new(0.5, -0.3, 0.8, 2.0));
@@ -165,8 +169,8 @@ pub fn energy_loss(scheme: Scheme, extinction: f32) -> f64 {
     worst
 }
 
-/// How fast fluence falls far from a point source, per mean free path: the root `k` of `albedo artanh(k) = k` (Case and
-/// Zweifel 1967).
+/// How fast fluence falls far from a point source, per mean free path: the root `k` of `albedo artanh(k) = k`
+/// (Case and Zweifel 1967).
 pub fn decay(albedo: f64) -> f64 {
     let (mut low, mut high) = (1e-6, 1.0 - 1e-12);
     for _ in 0..100 {
@@ -176,8 +180,8 @@ pub fn decay(albedo: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Fluence at each distance along an axis, cells, over that of a monopole `exp(-k r) / r` which is what it is three
-/// mean free paths from the source.
+/// Fluence at each distance along an axis, cells, over that of a monopole `exp(-k r) / r` which is what it is
+/// three mean free paths from the source.
 pub fn over_monopole(scheme: Scheme, path: f32, albedo: f32, half: i32) -> Vec<(f64, f64)> {
     let (volume, field) = around_a_point(scheme, [1.0 / path, albedo], half, 4 * half as usize);
     let middle = IVec3::splat(half);
@@ -191,8 +195,9 @@ pub fn over_monopole(scheme: Scheme, path: f32, albedo: f32, half: i32) -> Vec<(
     (first..=half / 2).map(|r| (f64::from(r), scale * at(r) / monopole(f64::from(r)))).collect()
 }
 
-/// Flux of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a corner: 1
-/// where light goes alike everywhere. Fluence, which is the flux where light goes straight, is after it.
+/// Flux of a point source without a medium, times `4 pi r^2`, along an axis, across an edge and across a
+/// corner: 1 where light goes alike everywhere. Fluence, which is the flux where light goes straight, is
+/// after it.
 pub fn flux_by_direction(scheme: Scheme, half: i32) -> [[f64; 2]; 3] {
     let (volume, field) = around_a_point(scheme, [0.0, 0.0], half, 3 * half as usize);
     by_direction(&volume.grid, &field, half)

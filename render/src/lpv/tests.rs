@@ -42,13 +42,14 @@ fn absorption_takes_what_its_closed_form_says() {
         let flight = Flight::new(extinction as f32, albedo);
         let volume = alike(Scheme::OURS, IVec3::splat(21), flight);
         let start = lit(&volume, IVec3::splat(10), Vec4::W);
-        // Of a cell's energy what leaves it, scattered within or not, and what is left of that where it arrives.
+        // Of a cell's energy what leaves it, scattered within or not, and what is left of that where it
+        // arrives.
         let mean = |of: &dyn Fn(usize) -> f32| f64::from(lattice::mean(of));
         let again = f64::from(flight.again) * mean(&|k| 1.0 - flight.streams[k]);
         let kept = (1.0 + again)
             * mean(&|k| flight.streams[k] * (flight.enters[k] + albedo * (1.0 - flight.enters[k])));
-        // Light that goes alike in all directions once; then what is directed goes to near and far neighbours in shares
-        // that are not quite theirs.
+        // Light that goes alike in all directions once; then what is directed goes to near and far neighbours
+        // in shares that are not quite theirs.
         for (iterations, off) in [(1, 1e-5), (9, 2e-3)] {
             let field = iterated(&volume, start.clone(), iterations);
             let wanted = kept.powi(iterations as i32);
@@ -130,8 +131,8 @@ fn flights_go_as_far_as_theory_says_unless_their_cube_is_small() {
     }
 }
 
-/// Light that is handed on in bands does not depend on other light: what each iteration sends anew adds up to what a pulse
-/// sends in all of them.
+/// Light that is handed on in bands does not depend on other light: what each iteration sends anew adds up to
+/// what a pulse sends in all of them.
 #[test]
 fn steady_light_in_bands_is_a_pulse_and_its_way_to_the_middles_of_cells() {
     let kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };

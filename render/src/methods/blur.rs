@@ -1,9 +1,9 @@
-//! The edge-keeping blur that removes the noise of random samples: a Gaussian along rows, then along columns, whose
-//! weights fade with a neighbour's distance from the pixel's tangent plane.
+//! The edge-keeping blur that removes the noise of random samples: a Gaussian along rows, then along columns,
+//! whose weights fade with a neighbour's distance from the pixel's tangent plane.
 //!
-//! The bilateral filter of Bavoil, Sainz and Dimitrov 2008, with the plane in place of the depth, so that slanted
-//! surfaces are blurred like others. Limits: surfaces in one plane are blurred into each other, and a normal map is not
-//! seen.
+//! The bilateral filter of Bavoil, Sainz and Dimitrov 2008, with the plane in place of the depth, so that
+//! slanted surfaces are blurred like others. Limits: surfaces in one plane are blurred into each other, and a
+//! normal map is not seen.
 
 #[cfg(test)]
 mod tests;
@@ -22,8 +22,8 @@ pub struct BlurParameters {
     /// Pixels on either side that are blurred together; 0 is no blur.
     #[schemars(range(min = 0, max = 32), extend("unit" = "pixels"))]
     pub radius: u32,
-    /// How much distance from the tangent plane weakens the blur: a neighbour one radius of the effect off the plane has
-    /// the weight `exp(-sharpness^2)`.
+    /// How much distance from the tangent plane weakens the blur: a neighbour one radius of the effect off
+    /// the plane has the weight `exp(-sharpness^2)`.
     #[schemars(range(min = 0.0, max = 65536.0))]
     pub sharpness: f32,
 }
@@ -79,8 +79,8 @@ pub fn steps(
     Ok([step(rows, image, half_blurred)?, step(columns, half_blurred, image)?])
 }
 
-/// The blur of `image`, `[channels, height, width]` with one, three or twelve channels, along rows, and of that along columns:
-/// what [`steps`] makes.
+/// The blur of `image`, `[channels, height, width]` with one, three or twelve channels, along rows, and of
+/// that along columns: what [`steps`] makes.
 pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
     let along_rows = along(surface, rows, image);
     let along_both = along(surface, columns, &along_rows);

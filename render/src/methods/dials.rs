@@ -1,5 +1,6 @@
-//! What of a method's parameters can be set, read off their own types: a number that has a range, a switch, or one of several
-//! names, is a [`Dial`], with the field's documentation for a text. [`Tuning`] is a quality with some of its dials changed.
+//! What of a method's parameters can be set, read off their own types: a number that has a range, a switch,
+//! or one of several names, is a [`Dial`], with the field's documentation for a text. [`Tuning`] is a quality
+//! with some of its dials changed.
 
 use super::Quality;
 use deepshade_shaders::names::did_you_mean;
@@ -13,8 +14,8 @@ use std::fmt::{Display, Formatter};
 
 /// Parameters of a method that can be set number by number.
 ///
-/// Fields with a `range` are dials, and so are switches and enumerations; fields that are none of these, `#[schemars(skip)]`,
-/// stay as the quality has them.
+/// Fields with a `range` are dials, and so are switches and enumerations; fields that are none of these,
+/// `#[schemars(skip)]`, stay as the quality has them.
 pub trait Tunable: Serialize + DeserializeOwned + JsonSchema {}
 
 impl<T: Serialize + DeserializeOwned + JsonSchema> Tunable for T {}

@@ -69,8 +69,8 @@ impl EnvironmentMap {
         self.texels.iter().map(|texel| texel.extend(0.0).to_array())
     }
 
-    /// Radiance from a unit direction, bilinear between the middles of texels: columns start again, and beyond a pole
-    /// is the other side, since level ground looks there.
+    /// Radiance from a unit direction, bilinear between the middles of texels: columns start again, and
+    /// beyond a pole is the other side, since level ground looks there.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let aside = (direction.x * direction.x + direction.z * direction.z).sqrt();
         let longitude = direction.x.atan2(-direction.z) / TAU;

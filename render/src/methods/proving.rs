@@ -1,5 +1,5 @@
-//! What tests of methods share: surfaces written down as formulas, and the comparison of a method's passes with its
-//! plain version.
+//! What tests of methods share: surfaces written down as formulas, and the comparison of a method's passes
+//! with its plain version.
 
 pub mod beyond;
 pub mod receiver;
@@ -28,8 +28,8 @@ pub fn view(height: usize, width: usize, radius: f32) -> View {
     View { height, width, camera: camera(), radius, seed: 11 }
 }
 
-/// Position, normal, depth and validity of the surface that `hit` finds along the ray of each pixel: a point and a normal
-/// in camera space.
+/// Position, normal, depth and validity of the surface that `hit` finds along the ray of each pixel: a point
+/// and a normal in camera space.
 pub fn gbuffer_of(height: usize, width: usize, hit: impl Fn(Vec3) -> Option<(Vec3, Vec3)>) -> GBuffer {
     let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Depth, Attribute::Valid];
     let at = |y: usize, x: usize| {
@@ -73,8 +73,8 @@ pub fn still_life(height: usize, width: usize) -> GBuffer {
     })
 }
 
-/// What [`still_life`] shows, with light that has edges of its own, a lens' blur, motion and a mean free path: attributes
-/// of every effect that is made of the picture.
+/// What [`still_life`] shows, with light that has edges of its own, a lens' blur, motion and a mean free
+/// path: attributes of every effect that is made of the picture.
 pub fn lit_still_life(height: usize, width: usize) -> GBuffer {
     let surface = still_life(height, width);
     let planes = surface.planes().clone();
@@ -107,8 +107,8 @@ pub fn picture_of(height: usize, width: usize, light: impl Fn(IVec2) -> Option<V
     GBuffer::new(vec![Attribute::Light, Attribute::Valid], planes)
 }
 
-/// A plane that faces the camera: what each pixel shows of it gives `light` and takes light from so many pixels away as its
-/// mean free path has.
+/// A plane that faces the camera: what each pixel shows of it gives `light` and takes light from so many
+/// pixels away as its mean free path has.
 pub fn facing_plane(
     height: usize,
     width: usize,
@@ -157,7 +157,8 @@ pub fn mean_difference(a: &Planes, b: &Planes) -> f32 {
     differences.sum::<f32>() / a.data().len() as f32
 }
 
-/// A scene that moves, is lit and has a lens, with every attribute: the dominoes' playground, some sky included.
+/// A scene that moves, is lit and has a lens, with every attribute: the dominoes' playground, some sky
+/// included.
 pub fn everything(height: usize, width: usize) -> (TracedScene, View, GBuffer) {
     let mut scene = Family::Playground.scene(3);
     let diagonal = scene.bounds().diagonal();
@@ -251,7 +252,8 @@ pub fn on_gpu(
     Planes::from_data(method.effect().channels(), view.height, view.width, image)
 }
 
-/// Proves that each of a method's passes writes what its plain version does, and that all at once they make the same bits.
+/// Proves that each of a method's passes writes what its plain version does, and that all at once they make
+/// the same bits.
 ///
 /// # Panics
 /// If they do not.
@@ -291,8 +293,9 @@ fn passes_agree(a: &Written, b: &Written, tolerance: Tolerance) -> Result<(), St
     })
 }
 
-/// Proves that this tolerance tells an image from those that mistakes make of it: shifted by a pixel, mirrored, upside
-/// down, 1 % too bright, with one value that is no number. An image that is alike everywhere would pass for them.
+/// Proves that this tolerance tells an image from those that mistakes make of it: shifted by a pixel,
+/// mirrored, upside down, 1 % too bright, with one value that is no number. An image that is alike everywhere
+/// would pass for them.
 ///
 /// # Panics
 /// If it does not.

@@ -1,5 +1,5 @@
-//! Single scattering of lamps' light, as passes on the GPU ask for it point by point: what they bind, and the plain version of
-//! `shared/single_scattering.wgsl` and `shared/mean_decay.wgsl`.
+//! Single scattering of lamps' light, as passes on the GPU ask for it point by point: what they bind, and the
+//! plain version of `shared/single_scattering.wgsl` and `shared/mean_decay.wgsl`.
 
 use super::shafts;
 use crate::bvh::TracedScene;
@@ -57,8 +57,8 @@ impl<'a> LitMedium<'a> {
         &self.scene.scene().lights
     }
 
-    /// Radiance that a metre of density 1 sends against a unit direction, over its scattering coefficient, with exact
-    /// shadows. What is nearer to a lamp than `nearest`, metres, gets what it would there.
+    /// Radiance that a metre of density 1 sends against a unit direction, over its scattering coefficient,
+    /// with exact shadows. What is nearer to a lamp than `nearest`, metres, gets what it would there.
     pub fn scattered_of(&self, light: &Light, point: Vec3, direction: Vec3, nearest: f32) -> Vec3 {
         let arrived = Arrival::new(self.scene.scene(), light, point);
         if arrived.irradiance == Vec3::ZERO || self.scene.blocked(point, arrived.direction, arrived.distance)

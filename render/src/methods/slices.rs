@@ -1,27 +1,29 @@
-//! Slices of what a surface sees, marched through the g-buffer into bitmasks of cosine-weighted sectors: what ambient
-//! occlusion ([`gtao`](super::gtao)) and indirect light ([`ssgi`](super::ssgi)) share. `shared/slices.wgsl` in Rust,
-//! line by line.
+//! Slices of what a surface sees, marched through the g-buffer into bitmasks of cosine-weighted sectors: what
+//! ambient occlusion ([`gtao`](super::gtao)) and indirect light ([`ssgi`](super::ssgi)) share.
+//! `shared/slices.wgsl` in Rust, line by line.
 //!
-//! A slice is a plane through the eye and the point, which the camera sees as a line through the pixel. Slices turn
-//! evenly about the direction to the eye (Jimenez, Wu, Pesce and Jarabo, "Practical Realtime Strategies for Accurate
-//! Indirect Occlusion", SIGGRAPH 2016 courses, section 4.1), so that in a slice at the angle `phi` directions at the
-//! angle `t` from the eye have the solid angle `|sin t| dt dphi` and the cosine `l cos(t - g)` to the normal, where `l` is
-//! the length of the normal's projection onto the slice and `g` the projection's angle. The normal's hemisphere is
-//! `t` from `g - pi/2` to `g + pi/2`, and of the cosine-weighted solid angle there is up to an angle `t >= 0`
+//! A slice is a plane through the eye and the point, which the camera sees as a line through the pixel.
+//! Slices turn evenly about the direction to the eye (Jimenez, Wu, Pesce and Jarabo, "Practical Realtime
+//! Strategies for Accurate Indirect Occlusion", SIGGRAPH 2016 courses, section 4.1), so that in a slice at
+//! the angle `phi` directions at the angle `t` from the eye have the solid angle `|sin t| dt dphi` and the
+//! cosine `l cos(t - g)` to the normal, where `l` is the length of the normal's projection onto the slice and
+//! `g` the projection's angle. The normal's hemisphere is `t` from `g - pi/2` to `g + pi/2`, and of the
+//! cosine-weighted solid angle there is up to an angle `t >= 0`
 //!
 //! ```text
 //! integral from g - pi/2 to t of cos(s - g) |sin s| ds = 3/4 cos g - 1/4 cos(2t - g) + 1/2 sin g (t + g - pi/2)
 //! ```
 //!
-//! which for the whole slice is `cos g + g sin g`. The quotient places a direction in [0, 1] so that equal parts count
-//! equally; 32 of them are the bits of a mask (Therrien, Levesque and Gilet, "Screen Space Indirect Lighting with
-//! Visibility Bitmask", The Visual Computer 2023, section 3, whose sectors are of equal angle). A sample of the g-buffer
-//! covers the sectors from its front to its back, a thickness further from the eye, if it is within the radius. What its
-//! mask has and those before it had not is newly covered. Slices count by `l (cos g + g sin g)`.
+//! which for the whole slice is `cos g + g sin g`. The quotient places a direction in [0, 1] so that equal
+//! parts count equally; 32 of them are the bits of a mask (Therrien, Levesque and Gilet, "Screen Space
+//! Indirect Lighting with Visibility Bitmask", The Visual Computer 2023, section 3, whose sectors are of
+//! equal angle). A sample of the g-buffer covers the sectors from its front to its back, a thickness further
+//! from the eye, if it is within the radius. What its mask has and those before it had not is newly covered.
+//! Slices count by `l (cos g + g sin g)`.
 //!
-//! Samples are denser near the pixel, by the square. As they are middles of pixels, they lie beside the slice; each is
-//! placed in the slice that it does lie in, which keeps slanted planes open. Borders of sectors are moved at random, so
-//! that on average nothing is rounded.
+//! Samples are denser near the pixel, by the square. As they are middles of pixels, they lie beside the
+//! slice; each is placed in the slice that it does lie in, which keeps slanted planes open. Borders of
+//! sectors are moved at random, so that on average nothing is rounded.
 
 #[cfg(test)]
 mod tests;
@@ -45,7 +47,8 @@ pub struct SliceParameters {
     /// Samples on either side of a slice, at least 1; fewer where there are fewer pixels.
     #[schemars(range(min = 1, max = 128))]
     pub steps: u32,
-    /// How thick everything is taken to be, away from the eye, as a share of the radius. Light passes behind it.
+    /// How thick everything is taken to be, away from the eye, as a share of the radius. Light passes behind
+    /// it.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub thickness: f32,
 }
@@ -75,8 +78,8 @@ pub struct Gathered {
     pub light: Vec3,
 }
 
-/// The normal in the plane of the direction to the eye and one across it: cosine and sine of its angle from the one
-/// towards the other, the angle, and the length of its projection onto the plane.
+/// The normal in the plane of the direction to the eye and one across it: cosine and sine of its angle from
+/// the one towards the other, the angle, and the length of its projection onto the plane.
 #[derive(Clone, Copy, Debug)]
 struct Tilt {
     cosine: f32,
@@ -107,7 +110,8 @@ impl Tilt {
         self.cosine + self.angle * self.sine
     }
 
-    /// The share of a slice's cosine-weighted directions before a unit direction in its half `across`; 1 at the horizon.
+    /// The share of a slice's cosine-weighted directions before a unit direction in its half `across`; 1 at
+    /// the horizon.
     fn place(&self, direction: Vec3, to_eye: Vec3, across: Vec3, normal: Vec3) -> f32 {
         if direction.dot(normal) <= 0.0 {
             return 1.0;
@@ -121,8 +125,8 @@ impl Tilt {
     }
 }
 
-/// The sectors, from the middle of a slice outwards, that the surface at `at` covers, seen from `position`. It is
-/// `thickness` thick along the ray from the eye, and ends at the radius.
+/// The sectors, from the middle of a slice outwards, that the surface at `at` covers, seen from `position`.
+/// It is `thickness` thick along the ray from the eye, and ends at the radius.
 fn covered_by(
     slices: &uniforms::Slices,
     at: Vec3,
@@ -150,7 +154,8 @@ fn covered_by(
     if high <= low { 0 } else { (u32::MAX >> (32 - (high - low))) << low }
 }
 
-/// Pixels that may be marched in a direction of the image: as far as the radius reaches and the image goes on.
+/// Pixels that may be marched in a direction of the image: as far as the radius reaches and the image goes
+/// on.
 fn reach_of(slices: &uniforms::Slices, pixel: IVec2, depth: f32, direction: Vec2) -> f32 {
     let squared = depth * depth - slices.radius * slices.radius;
     let radius = slices.focal_length * slices.radius / squared.max(1e-6 * depth * depth).sqrt();
@@ -160,8 +165,8 @@ fn reach_of(slices: &uniforms::Slices, pixel: IVec2, depth: f32, direction: Vec2
     radius.min(edge.min_element())
 }
 
-/// What the surface at `pixel` gets. `sent` says what the surface at another pixel sends to it; the vector is from it to
-/// the other.
+/// What the surface at `pixel` gets. `sent` says what the surface at another pixel sends to it; the vector is
+/// from it to the other.
 pub fn gather(
     surface: &Surface,
     slices: &uniforms::Slices,

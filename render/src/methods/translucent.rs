@@ -39,8 +39,8 @@ impl Translucent {
         vector(&self.mean_free_path, at)
     }
 
-    /// An image, `[3, height, width]`: where a colour goes below the surface, `gathered` of the pixel, the colour and its
-    /// mean free path; elsewhere light as it is.
+    /// An image, `[3, height, width]`: where a colour goes below the surface, `gathered` of the pixel, the
+    /// colour and its mean free path; elsewhere light as it is.
     pub fn image(&self, light: &Planes, gathered: impl Fn(IVec2, usize, f32) -> f32 + Sync) -> Planes {
         self.picture.image(|pixel| {
             if !self.picture.valid_at(pixel) {

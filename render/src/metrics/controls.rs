@@ -1,5 +1,5 @@
-//! Negative controls: every metric calls equal images equal, and notices each way in which images are commonly
-//! wrong.
+//! Negative controls: every metric calls equal images equal, and notices each way in which images are
+//! commonly wrong.
 
 use super::Scores;
 use deepshade_shaders::Planes;

@@ -1,4 +1,5 @@
-//! By how much light is scaled before images are compared, so that a dim scene's errors count as a bright one's do.
+//! By how much light is scaled before images are compared, so that a dim scene's errors count as a bright
+//! one's do.
 
 use deepshade_shaders::Planes;
 pub use deepshade_shaders::exposure::of_image as exposure;

@@ -1,10 +1,10 @@
-//! How far an image is from another: structural similarity, peak signal-to-noise ratio, relative squared error and
-//! FLIP.
+//! How far an image is from another: structural similarity, peak signal-to-noise ratio, relative squared
+//! error and FLIP.
 //!
-//! All of them read raw linear values; light is first multiplied by one [`exposure()`] an image. Two images that
-//! are compared have one shape, `[channels, height, width]`; comparing images of different shapes is a mistake of
-//! the program, not of its input, and panics. A value that is not a number makes the result not a number: it is
-//! never hidden.
+//! All of them read raw linear values; light is first multiplied by one [`exposure()`] an image. Two images
+//! that are compared have one shape, `[channels, height, width]`; comparing images of different shapes is a
+//! mistake of the program, not of its input, and panics. A value that is not a number makes the result not a
+//! number: it is never hidden.
 
 mod exposure;
 pub mod flip;

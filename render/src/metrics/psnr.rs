@@ -3,12 +3,12 @@
 use super::mean_over_values;
 use deepshade_shaders::Planes;
 
-/// Most that is given, decibels: 32-bit floats hardly tell images apart that differ by less, and one infinite value
-/// would make every mean infinite.
+/// Most that is given, decibels: 32-bit floats hardly tell images apart that differ by less, and one infinite
+/// value would make every mean infinite.
 pub const MOST: f64 = 100.0;
 
-/// Peak signal-to-noise ratio of values in a range of 1, decibels: `10 log10(1 / mean squared error)`, [`MOST`] at most,
-/// which is what equal images have.
+/// Peak signal-to-noise ratio of values in a range of 1, decibels: `10 log10(1 / mean squared error)`,
+/// [`MOST`] at most, which is what equal images have.
 ///
 /// # Panics
 /// If the images differ in shape.

@@ -3,10 +3,12 @@
 use super::mean_over_values;
 use deepshade_shaders::Planes;
 
-/// Added to the squared truth, so that dark pixels do not weigh without bound (Rousselle et al. 2011, section 4).
+/// Added to the squared truth, so that dark pixels do not weigh without bound (Rousselle et al. 2011, section
+/// 4).
 pub const EPSILON: f64 = 0.01;
 
-/// Mean of `(image - truth)^2 / (truth^2 + EPSILON)` over all values. Not symmetric: the second image is the truth.
+/// Mean of `(image - truth)^2 / (truth^2 + EPSILON)` over all values. Not symmetric: the second image is the
+/// truth.
 ///
 /// # Panics
 /// If the images differ in shape.

@@ -1,16 +1,16 @@
-//! Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) over tiles that do not overlap, as the thesis
-//! uses it for loss and evaluation (7.3.3).
+//! Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) over tiles that do not overlap, as the
+//! thesis uses it for loss and evaluation (7.3.3).
 //!
-//! A tile is 8x8 values of one channel under a uniform window; variances are biased (divided by 64), the range of
-//! the values is taken as 1. The result is the mean over tiles and channels. Only whole tiles count: where height or
-//! width is not a multiple of 8, the remainder at the bottom or right is ignored.
+//! A tile is 8x8 values of one channel under a uniform window; variances are biased (divided by 64), the
+//! range of the values is taken as 1. The result is the mean over tiles and channels. Only whole tiles count:
+//! where height or width is not a multiple of 8, the remainder at the bottom or right is ignored.
 
 use super::assert_same_shape;
 use deepshade_shaders::Planes;
 use deepshade_shaders::similarity::{C1, C2, TILE};
 
-/// Structural similarity of two images: 1 where equal, lower where they differ; the mean over tiles and channels. NaN
-/// where an image is smaller than a tile.
+/// Structural similarity of two images: 1 where equal, lower where they differ; the mean over tiles and
+/// channels. NaN where an image is smaller than a tile.
 ///
 /// # Panics
 /// If the images differ in shape.

@@ -1,6 +1,7 @@
-//! Truth for anti-aliasing: the picture by direct light, averaged over each pixel with a box filter. 64 samples of one
-//! sequence are the thesis' 8 x 8 (7.3.1): one in every cell of that grid, at random in it, since any 64 points of an
-//! Owen-scrambled Sobol sequence from a multiple of 64 on are a (0, 6, 2)-net (Owen 1997).
+//! Truth for anti-aliasing: the picture by direct light, averaged over each pixel with a box filter. 64
+//! samples of one sequence are the thesis' 8 x 8 (7.3.1): one in every cell of that grid, at random in it,
+//! since any 64 points of an Owen-scrambled Sobol sequence from a multiple of 64 on are a (0, 6, 2)-net (Owen
+//! 1997).
 
 use super::appearance::appearance;
 use super::{Footprint, Integrator, Shot, mean_of_samples};
@@ -83,7 +84,8 @@ mod tests {
             };
             (0..SIZE * SIZE).map(error).fold(0.0, f32::max)
         };
-        // A line crosses at most 15 of the 8 x 8 cells and parts each, so 64 samples are off by less than 7.5 / 64.
+        // A line crosses at most 15 of the 8 x 8 cells and parts each, so 64 samples are off by less than 7.5
+        // / 64.
         assert!(worst(&coarse, 0.0) < 7.5 / 64.0, "{}", worst(&coarse, 0.0));
         assert!(worst(&fine, 0.0) < 0.01, "{}", worst(&fine, 0.0));
         assert!(worst(&fine, 0.05) > 0.03, "an edge off by a twentieth of a pixel is noticed");

@@ -1,5 +1,5 @@
-//! Truth for ambient occlusion: the cosine-weighted share of directions of the hemisphere around the shading normal
-//! that nothing blocks within a radius (thesis 7.4).
+//! Truth for ambient occlusion: the cosine-weighted share of directions of the hemisphere around the shading
+//! normal that nothing blocks within a radius (thesis 7.4).
 
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
@@ -50,8 +50,8 @@ pub(super) fn is_open(scene: &TracedScene, point: &SurfacePoint, radius: f32, st
     direction.dot(point.geometric_normal) > 0.0 && !scene.blocked(point.ray_origin(), direction, radius)
 }
 
-/// Cosine-distributed directions around a normal, neighbours one after the other: in the order of a Morton curve
-/// over the square that they come from.
+/// Cosine-distributed directions around a normal, neighbours one after the other: in the order of a Morton
+/// curve over the square that they come from.
 pub fn hemisphere(sampler: &PixelSampler, samples: u32, normal: Vec3) -> Vec<Vec3> {
     let mut square: Vec<(u32, f32, f32)> = (0..samples)
         .map(|sample| {

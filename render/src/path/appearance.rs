@@ -1,7 +1,8 @@
 //! What the blurs of a camera blur: the picture by direct light, sharp, along any ray at any moment.
 //!
-//! It is the attribute `L` plus emission, by the same Phong model and with the same shadows, and the environment's
-//! radiance where nothing is seen; without an environment that is black. A medium does not dim it.
+//! It is the attribute `L` plus emission, by the same Phong model and with the same shadows, and the
+//! environment's radiance where nothing is seen; without an environment that is black. A medium does not dim
+//! it.
 
 use super::direct::direct_light;
 use crate::bvh::moment::Moment;

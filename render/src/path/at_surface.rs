@@ -1,4 +1,5 @@
-//! Effects that depend on nothing but the surface that a point of the image shows, so that its samples share it.
+//! Effects that depend on nothing but the surface that a point of the image shows, so that its samples share
+//! it.
 
 use super::appearance::seen;
 use super::{Footprint, Integrator, Shot, mean_of};

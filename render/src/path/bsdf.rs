@@ -4,16 +4,19 @@
 //! specular one spreads says its [`Gloss`]:
 //!
 //! - `Gloss::None`: Lambert's law, `diffuse / pi`.
-//! - `Gloss::Phong`: `diffuse / pi + specular (n + 2) / (2 pi) cos^n`. The sum reflects no more than it receives since
-//!   the material caps the diffuse colour ([`Material::surface`](crate::scene::Material::surface)).
-//! - `Gloss::Microfacets`: GGX microfacets with Schlick's Fresnel `F` over a diffuse base that only gets what `F` lets
-//!   through, on its way in and out: `diffuse / pi (1 - F(in)) (1 - F(out)) / (1 - mean F)` (Shirley et al., "A
-//!   Practitioners' Assessment of Light Reflection Models", 1997). Together they never reflect more than there is. A
-//!   smooth white dielectric reflects all of it, of light from everywhere to within 0.2 %; a rough one loses what its
-//!   microfacets hide from each other: 1 % at roughness 0.3, 7 % at roughness 1, most of it towards grazing.
+//! - `Gloss::Phong`: `diffuse / pi + specular (n + 2) / (2 pi) cos^n`. The sum reflects no more than it
+//!   receives since the material caps the diffuse colour
+//!   ([`Material::surface`](crate::scene::Material::surface)).
+//! - `Gloss::Microfacets`: GGX microfacets with Schlick's Fresnel `F` over a diffuse base that only gets what
+//!   `F` lets through, on its way in and out: `diffuse / pi (1 - F(in)) (1 - F(out)) / (1 - mean F)` (Shirley
+//!   et al., "A Practitioners' Assessment of Light Reflection Models", 1997). Together they never reflect
+//!   more than there is. A smooth white dielectric reflects all of it, of light from everywhere to within 0.2
+//!   %; a rough one loses what its microfacets hide from each other: 1 % at roughness 0.3, 7 % at roughness
+//!   1, most of it towards grazing.
 //!
-//! All are reciprocal. Where the shading normal is not the triangle's, light from below the triangle is not reflected
-//! even if it is above the shading normal, so that none comes through the surface; that light is lost.
+//! All are reciprocal. Where the shading normal is not the triangle's, light from below the triangle is not
+//! reflected even if it is above the shading normal, so that none comes through the surface; that light is
+//! lost.
 
 mod fresnel;
 mod ggx;
@@ -81,7 +84,8 @@ impl Bsdf {
         Self { to_world: frame(normal), geometric_normal, diffuse: surface.diffuse, lobe }
     }
 
-    /// Reflectance from one direction to another, times the cosine of the light's, per steradian; 0 below the surface.
+    /// Reflectance from one direction to another, times the cosine of the light's, per steradian; 0 below the
+    /// surface.
     pub fn evaluate(&self, to_viewer: Vec3, to_light: Vec3) -> Vec3 {
         let Some([viewer, light]) = self.above([to_viewer, to_light]) else { return Vec3::ZERO };
         (self.diffuse(viewer, light) + self.specular(viewer, light)) * light.z
@@ -99,9 +103,9 @@ impl Bsdf {
         share.map_or(0.0, |share| share * specular + (1.0 - share) * light.z * FRAC_1_PI)
     }
 
-    /// A direction to look for light in; `None` where the sample falls below the surface, and of a black one. The
-    /// diffuse and the specular lobe are chosen between by what they reflect, and the density is that of both together
-    /// (the one-sample model of multiple importance sampling, Veach 1997, 9.2.4).
+    /// A direction to look for light in; `None` where the sample falls below the surface, and of a black one.
+    /// The diffuse and the specular lobe are chosen between by what they reflect, and the density is that of
+    /// both together (the one-sample model of multiple importance sampling, Veach 1997, 9.2.4).
     pub fn sample(&self, to_viewer: Vec3, stream: &mut Stream) -> Option<BsdfSample> {
         let (choice, square) = (stream.next_1d(), stream.next_2d());
         let viewer = self.to_world.transpose() * to_viewer;
@@ -145,8 +149,8 @@ impl Bsdf {
         }
     }
 
-    /// Probability of sampling the specular lobe: about its share of what is reflected to a viewer. `None` of a black
-    /// surface.
+    /// Probability of sampling the specular lobe: about its share of what is reflected to a viewer. `None` of
+    /// a black surface.
     fn specular_share(&self, viewer: Vec3) -> Option<f32> {
         let (diffuse, specular) = match &self.lobe {
             Lobe::None => (self.diffuse, Vec3::ZERO),

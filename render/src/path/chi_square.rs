@@ -1,8 +1,9 @@
-//! Pearson's chi-square test of samplers of directions and of distances against the densities that they claim, for tests.
+//! Pearson's chi-square test of samplers of directions and of distances against the densities that they
+//! claim, for tests.
 //!
-//! Directions are counted in bins over the sphere, and what a bin should hold is the density's integral over it.
-//! Samples that give no direction are a bin of their own, so that the density's total is checked as well. Sidak's
-//! correction keeps the probability that any of several right samplers is rejected at 1 %.
+//! Directions are counted in bins over the sphere, and what a bin should hold is the density's integral over
+//! it. Samples that give no direction are a bin of their own, so that the density's total is checked as well.
+//! Sidak's correction keeps the probability that any of several right samplers is rejected at 1 %.
 
 use super::proving::Comparison;
 use crate::sampler::{PixelSampler, Stream, frame};
@@ -50,8 +51,8 @@ fn least(tests: usize) -> f64 {
     1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / tests as f64)
 }
 
-/// Probability of counts at least as far from what they should be if the density is the sampler's. Bins turn about
-/// `pole`: densities that are steep there, or end within bins, need better placed ones.
+/// Probability of counts at least as far from what they should be if the density is the sampler's. Bins turn
+/// about `pole`: densities that are steep there, or end within bins, need better placed ones.
 pub fn p_value(
     pole: Vec3,
     mut sample: impl FnMut(&mut Stream) -> Option<Vec3>,
@@ -151,8 +152,8 @@ fn integral(bin: usize, density: impl Fn(Vec3) -> f32) -> f64 {
     sum * 4.0 * PI / (ROWS * COLUMNS * POINTS * POINTS) as f64
 }
 
-/// The regularised upper incomplete gamma function `Q(a, x)`: its series below `a + 1`, its continued fraction (by
-/// Lentz's algorithm) above (Press et al., "Numerical Recipes", 6.2).
+/// The regularised upper incomplete gamma function `Q(a, x)`: its series below `a + 1`, its continued
+/// fraction (by Lentz's algorithm) above (Press et al., "Numerical Recipes", 6.2).
 fn upper_gamma(a: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 1.0;
@@ -223,7 +224,8 @@ mod tests {
         let p = |density: fn(Vec3) -> f32| p_value(Vec3::Z, cosine, density);
         let name = "chi_square/cosine_hemisphere";
         proves(name, p(|direction| direction.z.max(0.0) * FRAC_1_PI), 1);
-        // Uniform over the hemisphere, over the sphere, a density that is 2 % too high, and a little that is missing.
+        // Uniform over the hemisphere, over the sphere, a density that is 2 % too high, and a little that is
+        // missing.
         for wrong in [
             |direction: Vec3| f32::from(direction.z > 0.0) * 0.5 * FRAC_1_PI,
             |_: Vec3| 0.25 * FRAC_1_PI,

@@ -1,6 +1,6 @@
-//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1). It is the
-//! exact sum over those lights, without noise, also behind blended surfaces, which let their share through; light of
-//! emissive triangles and of the environment is no part of it.
+//! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1).
+//! It is the exact sum over those lights, without noise, also behind blended surfaces, which let their share
+//! through; light of emissive triangles and of the environment is no part of it.
 
 use super::bsdf::Phong;
 use super::lights::Arrival;
@@ -18,8 +18,8 @@ pub struct DirectLight {
     pub specular: Vec3,
 }
 
-/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model: in a scene, or in it at
-/// the point's moment.
+/// Light that reaches a point without a detour, reflected by the energy-normalised Phong model: in a scene,
+/// or in it at the point's moment.
 pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
     let scene: Moment<'_> = scene.into();
     let lobe = Phong::new(point.surface.roughness);

@@ -1,6 +1,6 @@
-//! Truth for directional occlusion, the effect `do`: `1 / pi` times the integral over directions that nothing blocks
-//! within a radius of the environment's radiance times the cosine to the shading normal (Ritschel, Grosch and Seidel
-//! 2009; thesis 7.4). With a radiance of 1 from everywhere it is ambient occlusion.
+//! Truth for directional occlusion, the effect `do`: `1 / pi` times the integral over directions that nothing
+//! blocks within a radius of the environment's radiance times the cosine to the shading normal (Ritschel,
+//! Grosch and Seidel 2009; thesis 7.4). With a radiance of 1 from everywhere it is ambient occlusion.
 
 use super::Shot;
 use super::ao::morton;
@@ -35,8 +35,8 @@ impl<'a> Directional<'a> {
         Self { scene: shot.scene, environment, radius: shot.radius }
     }
 
-    /// One sample of half the directions by the cosine and half by the environment, with the density of both (Veach
-    /// 1997, 9.2.4). `None` where no light comes from there.
+    /// One sample of half the directions by the cosine and half by the environment, with the density of both
+    /// (Veach 1997, 9.2.4). `None` where no light comes from there.
     fn arriving(&self, point: &SurfacePoint, stream: &mut Stream) -> Option<Arriving> {
         let environment = self.environment?;
         let (choice, square) = (stream.next_1d(), stream.next_2d());
@@ -96,7 +96,8 @@ mod tests {
     use crate::scene::{Camera, Material, Mesh};
     use glam::Vec2;
 
-    /// A wall of height 2 at x = 0, as good as infinitely long, whose closed form is in the tests of ambient occlusion.
+    /// A wall of height 2 at x = 0, as good as infinitely long, whose closed form is in the tests of ambient
+    /// occlusion.
     fn wall() -> Mesh {
         quad([(-900., 0.), (900., 0.), (900., 2.), (-900., 2.)].map(|(z, y)| Vec3::new(0.0, y, z)))
     }

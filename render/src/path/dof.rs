@@ -1,5 +1,6 @@
-//! Truth for depth of field: the picture by direct light, averaged over the points of a thin lens (thesis 7.4; Cook,
-//! Porter and Carpenter 1984). Without a lens, and with one of radius 0, it is that picture as it is.
+//! Truth for depth of field: the picture by direct light, averaged over the points of a thin lens (thesis
+//! 7.4; Cook, Porter and Carpenter 1984). Without a lens, and with one of radius 0, it is that picture as it
+//! is.
 
 use super::appearance::appearance;
 use super::{Integrator, Shot};
@@ -83,8 +84,8 @@ mod tests {
             assert!((all - 12.0).abs() < 3.0 * error && error < 0.3, "{all} +- {error} is not 12");
             let [inside, _] = energy(&image, 12.2);
             assert!((inside - all).abs() < 1e-4, "{inside} of {all}");
-            // Pixels within 6 are as bright as the mean of the disc. A polar map without its square root would put
-            // 60 % of the energy there, not 36 %.
+            // Pixels within 6 are as bright as the mean of the disc. A polar map without its square root
+            // would put 60 % of the energy there, not 36 %.
             let middles = (0..SIZE * SIZE)
                 .map(|i| Vec2::new((i % SIZE) as f32 + 0.5, (i / SIZE) as f32 + 0.5) - 16.0)
                 .filter(|from_middle| from_middle.length() < 6.0)

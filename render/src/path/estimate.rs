@@ -1,8 +1,8 @@
 //! Images with their variance: means of independent scramblings.
 //!
-//! Samples of one low-discrepancy sequence are not independent, so their own variance says nothing of their mean's.
-//! Independently scrambled sequences are, and the means of `n` of them estimate the variance of their mean with `n - 1`
-//! degrees of freedom (Owen 1997).
+//! Samples of one low-discrepancy sequence are not independent, so their own variance says nothing of their
+//! mean's. Independently scrambled sequences are, and the means of `n` of them estimate the variance of their
+//! mean with `n - 1` degrees of freedom (Owen 1997).
 
 use super::{Refinement, Shot};
 use crate::metrics::{self, relative_mse::EPSILON};
@@ -47,8 +47,8 @@ impl Sampling {
 }
 
 impl Estimate {
-    /// Mean square of the image's own error, relative to its squared values as [`relative_mse`] is to truth's, under
-    /// an [exposure]; `None` of one scrambling, NaN where a value is no number.
+    /// Mean square of the image's own error, relative to its squared values as [`relative_mse`] is to
+    /// truth's, under an [exposure]; `None` of one scrambling, NaN where a value is no number.
     ///
     /// [`relative_mse`]: crate::metrics::relative_mse()
     /// [exposure]: crate::metrics::exposure()
@@ -62,8 +62,8 @@ impl Estimate {
         Some(relative.sum::<f64>() / variance.data().len() as f64)
     }
 
-    /// The mean of independent images of one shape, made of so many samples of a pixel in all, and its variance where
-    /// there are several.
+    /// The mean of independent images of one shape, made of so many samples of a pixel in all, and its
+    /// variance where there are several.
     ///
     /// # Panics
     /// If there is no image, or they differ in shape.

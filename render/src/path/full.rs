@@ -1,5 +1,5 @@
-//! Truth for full path tracing: all light that reaches a pixel, radiance, through the camera's lens. Where nothing is
-//! seen, the environment. Fog effects are the light of one [`Route`] of it.
+//! Truth for full path tracing: all light that reaches a pixel, radiance, through the camera's lens. Where
+//! nothing is seen, the environment. Fog effects are the light of one [`Route`] of it.
 
 use super::route::Route;
 use super::transport::Transport;

@@ -1,12 +1,15 @@
-//! Truth for diffuse indirect light, the effect `gi`: `1 / pi` times the irradiance, at the point that is seen, of
-//! light that left another surface within a radius after one diffuse reflection of direct light (thesis 7.4).
+//! Truth for diffuse indirect light, the effect `gi`: `1 / pi` times the irradiance, at the point that is
+//! seen, of light that left another surface within a radius after one diffuse reflection of direct light
+//! (thesis 7.4).
 //!
-//! Direct light comes from every light of the scene, with shadows at any distance; the surface on the way reflects it
-//! by its diffuse colour, as Lambert does and the attribute `Ldiff` has it. Light that surfaces emit by themselves is
-//! direct light and not counted. Times the receiver's diffuse colour it is radiance. Blended surfaces send, and let
-//! through, by their opacity, as in [`Transport`](super::transport::Transport).
+//! Direct light comes from every light of the scene, with shadows at any distance; the surface on the way
+//! reflects it by its diffuse colour, as Lambert does and the attribute `Ldiff` has it. Light that surfaces
+//! emit by themselves is direct light and not counted. Times the receiver's diffuse colour it is radiance.
+//! Blended surfaces send, and let through, by their opacity, as in
+//! [`Transport`](super::transport::Transport).
 //!
-//! The effect `glossy` is the radiance that the receiver's specular lobe reflects to the eye of that same light.
+//! The effect `glossy` is the radiance that the receiver's specular lobe reflects to the eye of that same
+//! light.
 
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
@@ -59,8 +62,8 @@ impl<'a> Gi<'a> {
         self.scene.hit_by_chance(point.ray_origin(), direction, reach, || stream.next_1d())
     }
 
-    /// One sample of the irradiance of direct light: of a light and of a direction, which may meet one, weighed by the
-    /// power heuristic.
+    /// One sample of the irradiance of direct light: of a light and of a direction, which may meet one,
+    /// weighed by the power heuristic.
     fn irradiance(&self, point: &SurfacePoint, stream: &mut Stream) -> Vec3 {
         let lights = self.lights.at_surface(point);
         let sampled = self.of_a_light(point, &lights, stream);
@@ -139,7 +142,8 @@ mod tests {
         Mesh { material: MaterialId(material), ..mesh }
     }
 
-    /// Receivers of material 0, senders of material 1, under light of unit irradiance on faces against `direction`.
+    /// Receivers of material 0, senders of material 1, under light of unit irradiance on faces against
+    /// `direction`.
     fn lit(meshes: Vec<Mesh>, receiver: Material, direction: Vec3, irradiance: f32) -> TracedScene {
         let sender = Material { gloss: Gloss::None, ..Material::matte("sender", COLOUR) };
         let direction = direction.normalize();
@@ -164,8 +168,8 @@ mod tests {
         Measured::of(&AtSurface::new(&shot, Gi::new(&shot, receiver)), &shot, 4096)
     }
 
-    /// From a patch to a square of edge 2 a over its middle, at a distance h: four corners of `(2 pi)^-1 2 A atan A`
-    /// with A = (a / h) / sqrt(1 + (a / h)^2) each (Howell's catalogue, B-3).
+    /// From a patch to a square of edge 2 a over its middle, at a distance h: four corners of
+    /// `(2 pi)^-1 2 A atan A` with A = (a / h) / sqrt(1 + (a / h)^2) each (Howell's catalogue, B-3).
     fn form_factor(half: f32, height: f32) -> f32 {
         let ratio = half / height;
         let root = (1.0 + ratio * ratio).sqrt();
@@ -179,7 +183,8 @@ mod tests {
         let value = at_patch(&scene(1.0), f32::INFINITY, Receiver::Diffuse);
         value.proves("gi/square", expected);
         at_patch(&scene(1.02), f32::INFINITY, Receiver::Diffuse).refutes("gi/square", expected);
-        // Without the receiver's cosine: the share of the hemisphere's solid angle, 4 asin(a^2 / (a^2 + h^2)).
+        // Without the receiver's cosine: the share of the hemisphere's solid angle, 4 asin(a^2 / (a^2 +
+        // h^2)).
         let without = COLOUR * FRAC_1_PI * (1.0f32 / 1.49).asin() * 4.0 / (2.0 * PI);
         value.refutes("gi/square", without);
     }

@@ -1,6 +1,7 @@
-//! Truth for image-based lighting, the effect `ibl`: radiance reflected to the eye from the environment, which nothing
-//! blocks, by the Phong model, whatever model the material has (thesis 7.4). The diffuse and the specular colour are
-//! the g-buffer's, so that a white dielectric of another model reflects up to 4 % more than it gets.
+//! Truth for image-based lighting, the effect `ibl`: radiance reflected to the eye from the environment,
+//! which nothing blocks, by the Phong model, whatever model the material has (thesis 7.4). The diffuse and
+//! the specular colour are the g-buffer's, so that a white dielectric of another model reflects up to 4 %
+//! more than it gets.
 
 use super::Shot;
 use super::at_surface::{SurfaceEffect, Visible};
@@ -23,8 +24,8 @@ impl<'a> Ibl<'a> {
 }
 
 impl SurfaceEffect for Ibl<'_> {
-    /// A direction from the environment and one from the reflectance, weighed by the balance heuristic (Veach 1997,
-    /// 9.2.2): each in proportion to its density.
+    /// A direction from the environment and one from the reflectance, weighed by the balance heuristic (Veach
+    /// 1997, 9.2.2): each in proportion to its density.
     fn sample(&self, visible: &Visible, stream: &mut Stream) -> Vec3 {
         let Some(environment) = self.environment else { return Vec3::ZERO };
         let Visible { mut point, to_viewer } = *visible;

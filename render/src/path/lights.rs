@@ -1,11 +1,12 @@
 //! Choosing points on lights: lights without an extent, emissive triangles, the environment.
 //!
-//! One light a sample. Each light without an extent counts by what would arrive from it at the very point if nothing were
-//! in between, so that one that does not shine there is never taken, and costs nothing but the look; all emissive
-//! triangles together count by a rough estimate of the same, the environment by what would arrive from a hemisphere of
-//! its mean. What is in between is not known, so a fifth of the choice is spread evenly over all that count: of `n`
-//! lights, one that is the only one seen is taken with a probability of at least `1 / 5 n`, however strong those are that
-//! a wall keeps off. Emissive triangles share by power (Pharr, Jakob and Humphreys, "Physically Based Rendering", 12.6).
+//! One light a sample. Each light without an extent counts by what would arrive from it at the very point if
+//! nothing were in between, so that one that does not shine there is never taken, and costs nothing but the
+//! look; all emissive triangles together count by a rough estimate of the same, the environment by what would
+//! arrive from a hemisphere of its mean. What is in between is not known, so a fifth of the choice is spread
+//! evenly over all that count: of `n` lights, one that is the only one seen is taken with a probability of at
+//! least `1 / 5 n`, however strong those are that a wall keeps off. Emissive triangles share by power (Pharr,
+//! Jakob and Humphreys, "Physically Based Rendering", 12.6).
 
 mod arrival;
 mod at;
@@ -29,7 +30,8 @@ use std::f32::consts::PI;
 pub struct Lights<'a> {
     scene: &'a TracedScene,
     emitters: Option<Emitters>,
-    /// Which lights without an extent shine: all, but for those that [`Glow`](crate::scene::Glow) has switched off.
+    /// Which lights without an extent shine: all, but for those that [`Glow`](crate::scene::Glow) has
+    /// switched off.
     on: Vec<bool>,
     environment: Option<&'a Environment>,
     /// What would arrive from a hemisphere of the environment's mean.
@@ -41,14 +43,14 @@ pub struct Lights<'a> {
 pub struct LightSample {
     /// Unit direction to the light.
     pub direction: Vec3,
-    /// How far away it is, metres; infinite for the environment and directional lights. A ray of that length ends
-    /// before it meets an emissive triangle.
+    /// How far away it is, metres; infinite for the environment and directional lights. A ray of that length
+    /// ends before it meets an emissive triangle.
     pub distance: f32,
-    /// Radiance over density; of a light without an extent, irradiance on a surface that faces it over the probability
-    /// of having chosen it.
+    /// Radiance over density; of a light without an extent, irradiance on a surface that faces it over the
+    /// probability of having chosen it.
     pub radiance: Vec3,
-    /// Of the direction, per steradian, for weighing against other ways of finding the same light; `None` for lights
-    /// without an extent, which nothing else finds.
+    /// Of the direction, per steradian, for weighing against other ways of finding the same light; `None` for
+    /// lights without an extent, which nothing else finds.
     pub density: Option<f32>,
 }
 
@@ -69,8 +71,8 @@ impl<'a> Lights<'a> {
         LightsAt::new(self, point, None)
     }
 
-    /// As they are from a surface, whose other side none of them lights. Those without an extent that stand below its
-    /// horizon are never taken.
+    /// As they are from a surface, whose other side none of them lights. Those without an extent that stand
+    /// below its horizon are never taken.
     pub fn at_surface(&self, point: &SurfacePoint) -> LightsAt<'_> {
         LightsAt::new(self, point.ray_origin(), Some([point.normal, point.geometric_normal]))
     }

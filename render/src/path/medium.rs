@@ -1,9 +1,9 @@
 //! Light on its way through a scene's medium: what passes, and where it is scattered.
 //!
-//! Where density is the same everywhere, transmittance and free flights have closed forms; through grids there is
-//! ratio tracking (Novak, Selle and Jarosz 2014) and spectral delta tracking (Kutz et al. 2017). Flights are sampled
-//! for all three colours at once: the colours' densities are mixed in proportion to what light there is left of each,
-//! so that the sum over the colours of what is left never grows.
+//! Where density is the same everywhere, transmittance and free flights have closed forms; through grids
+//! there is ratio tracking (Novak, Selle and Jarosz 2014) and spectral delta tracking (Kutz et al. 2017).
+//! Flights are sampled for all three colours at once: the colours' densities are mixed in proportion to what
+//! light there is left of each, so that the sum over the colours of what is left never grows.
 //!
 //! A path tracer asks two questions of [`Media`]: how much light of a lamp passes to a point
 //! ([`Media::transmittance`]), and whether a ray passes to the surface ahead or is scattered before
@@ -54,9 +54,9 @@ pub struct Segment {
 pub struct Flight {
     /// Distance at which it was scattered; `None` where it passed to the end.
     pub scattered: Option<f32>,
-    /// What it must be multiplied by, for each colour: the scattering coefficient and the transmittance up to there,
-    /// over the probability density of being scattered there; or the transmittance of the segment over the probability
-    /// of passing.
+    /// What it must be multiplied by, for each colour: the scattering coefficient and the transmittance up to
+    /// there, over the probability density of being scattered there; or the transmittance of the segment over
+    /// the probability of passing.
     pub weight: Vec3,
 }
 
@@ -114,8 +114,8 @@ impl<'a> Media<'a> {
         }
     }
 
-    /// Follows light along a segment until it is scattered or passes. `throughput` is what it was multiplied by
-    /// before: colours of which little is left count little in the choice.
+    /// Follows light along a segment until it is scattered or passes. `throughput` is what it was multiplied
+    /// by before: colours of which little is left count little in the choice.
     pub fn flight(&self, segment: &Segment, throughput: Vec3, stream: &mut Stream) -> Flight {
         let Some((medium, [near, far])) = self.inside(segment) else { return Flight::passed(Vec3::ONE) };
         if medium.scattering == Vec3::ZERO || throughput == Vec3::ZERO {
@@ -130,9 +130,9 @@ impl<'a> Media<'a> {
         }
     }
 
-    /// Follows light that is scattered on a segment, with certainty: the weight is the scattering coefficient and the
-    /// transmittance up to there over the density of the distance; nothing passes where nothing scatters. For effects
-    /// that only want scattered light, of which there is little in thin fog.
+    /// Follows light that is scattered on a segment, with certainty: the weight is the scattering coefficient
+    /// and the transmittance up to there over the density of the distance; nothing passes where nothing
+    /// scatters. For effects that only want scattered light, of which there is little in thin fog.
     pub fn scattering(&self, segment: &Segment, throughput: Vec3, stream: &mut Stream) -> Flight {
         let Some((medium, [near, far])) = self.inside(segment) else { return Flight::passed(Vec3::ZERO) };
         match &medium.density {
@@ -144,10 +144,10 @@ impl<'a> Media<'a> {
         }
     }
 
-    /// As [`Media::scattering`], for light that comes straight from `lights`: half of the distances are drawn by what
-    /// lamps send there, and all are weighed by the balance heuristic (Veach 1997, 9.2.4). Of a grid the density of the
-    /// other half is not known; that of a uniform medium with the grid's mean density stands for it, since any weights
-    /// that add up to 1 keep the mean.
+    /// As [`Media::scattering`], for light that comes straight from `lights`: half of the distances are drawn
+    /// by what lamps send there, and all are weighed by the balance heuristic (Veach 1997, 9.2.4). Of a grid
+    /// the density of the other half is not known; that of a uniform medium with the grid's mean density
+    /// stands for it, since any weights that add up to 1 keep the mean.
     pub fn scattering_of_lamps(
         &self,
         lights: &[Light],

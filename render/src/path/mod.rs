@@ -1,8 +1,8 @@
 //! Truth: path-traced effects, one integrator a file, and what they share.
 //!
-//! An [`Integrator`] gives one sample of an effect at a point of the image; [`render`] takes as many as are wanted of
-//! every pixel, in independent scramblings, so that an image comes with the variance of its values. Which integrator
-//! belongs to which effect says [`integrator`], the one list to add an effect's truth to.
+//! An [`Integrator`] gives one sample of an effect at a point of the image; [`render`] takes as many as are
+//! wanted of every pixel, in independent scramblings, so that an image comes with the variance of its values.
+//! Which integrator belongs to which effect says [`integrator`], the one list to add an effect's truth to.
 
 pub mod aa;
 pub mod ao;
@@ -93,7 +93,8 @@ impl<'a> Shot<'a> {
     }
 }
 
-/// Where in a pixel samples of truth are. Effects that average over the pixel by their definition do so either way.
+/// Where in a pixel samples of truth are. Effects that average over the pixel by their definition do so
+/// either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Footprint {
     /// In its middle, which the g-buffer shows.
@@ -105,11 +106,12 @@ pub enum Footprint {
 
 /// One effect's truth in one shot.
 pub trait Integrator: Sync {
-    /// One unbiased sample of the effect at a point of the image, in pixels from the top left corner; channels beyond
-    /// the effect's are not used.
+    /// One unbiased sample of the effect at a point of the image, in pixels from the top left corner;
+    /// channels beyond the effect's are not used.
     fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3;
 
-    /// Mean of a pixel's samples `0..count` of one sequence. Integrators that trace many rays at once override this.
+    /// Mean of a pixel's samples `0..count` of one sequence. Integrators that trace many rays at once
+    /// override this.
     fn pixel(&self, shot: &Shot<'_>, x: usize, y: usize, sampler: PixelSampler, count: u32) -> Vec3 {
         mean_of_samples(self, shot, x, y, sampler, count)
     }

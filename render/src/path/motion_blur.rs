@@ -1,6 +1,6 @@
-//! Truth for motion blur: the picture by direct light, averaged over the time for which the shutter is open, all of
-//! which counts alike (thesis 7.4). Objects move in straight lines and take their shadows with them; camera and lights
-//! stand still. The picture is a pinhole's.
+//! Truth for motion blur: the picture by direct light, averaged over the time for which the shutter is open,
+//! all of which counts alike (thesis 7.4). Objects move in straight lines and take their shadows with them;
+//! camera and lights stand still. The picture is a pinhole's.
 
 use super::appearance::appearance;
 use super::{Integrator, Shot};
@@ -44,8 +44,8 @@ mod tests {
     #[test]
     fn a_moving_step_edge_is_a_linear_ramp() {
         const WIDTH: usize = 48;
-        // Pixels at depth 1 are 1/48 m apart; the sheet covers the left of the image up to its middle, and moves by
-        // 20 pixels during the exposure.
+        // Pixels at depth 1 are 1/48 m apart; the sheet covers the left of the image up to its middle, and
+        // moves by 20 pixels during the exposure.
         let camera = Camera { vertical_fov: 2.0 * 0.5f32.atan(), ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
         let sheet = [(-9., -9.), (0., -9.), (0., 9.), (-9., 9.)].map(|(x, y)| Vec3::new(x, y, -1.0));
         let mesh = Mesh { displacements: vec![Vec3::X * 20.0 / 48.0; 4], ..quad(0, sheet) };

@@ -1,5 +1,6 @@
-//! Truth for several effects at once: direct light times ambient occlusion, averaged over the points of a thin lens, as
-//! the thesis' combined network learns it (7.4). Emission, and the environment where nothing is seen, are not occluded.
+//! Truth for several effects at once: direct light times ambient occlusion, averaged over the points of a
+//! thin lens, as the thesis' combined network learns it (7.4). Emission, and the environment where nothing is
+//! seen, are not occluded.
 
 use super::ao::is_open;
 use super::appearance::{reflected, seen, sky};

@@ -1,5 +1,5 @@
-//! Truth for phosphorescence, the effect `phosphor`: the radiance of what the surface that is seen gives back of light
-//! that it kept (thesis, equation 8.3).
+//! Truth for phosphorescence, the effect `phosphor`: the radiance of what the surface that is seen gives back
+//! of light that it kept (thesis, equation 8.3).
 //!
 //! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps
 //! light is a layer without sides. Shadows are those of rays; lamps are switched at their exact moments, and
@@ -72,7 +72,8 @@ mod tests {
     };
     use std::sync::Arc;
 
-    /// A square of 2 m at z = 0 under a lamp of 8 W/sr at a distance of 2 m, of which only the middle is asked.
+    /// A square of 2 m at z = 0 under a lamp of 8 W/sr at a distance of 2 m, of which only the middle is
+    /// asked.
     fn square(glow: Glow, more: Vec<Mesh>) -> TracedScene {
         let corners = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(x, y, 0.0));
         let lamp =
@@ -150,7 +151,8 @@ mod tests {
 
     #[test]
     fn kept_light_lights_other_surfaces_once_the_lamp_is_off() {
-        // Four corners of `(2 pi)^-1 2 A atan A` with A = (a / h) / sqrt(1 + (a / h)^2) each (Howell's catalogue, B-3).
+        // Four corners of `(2 pi)^-1 2 A atan A` with A = (a / h) / sqrt(1 + (a / h)^2) each (Howell's
+        // catalogue, B-3).
         let ratio = 1.0f32 / 0.7;
         let part = ratio / (1.0 + ratio * ratio).sqrt();
         let factor = 4.0 / std::f32::consts::PI * part * part.atan();
@@ -163,7 +165,8 @@ mod tests {
         assert_eq!(reflected(0.0, 0.0).mean, Vec3::ZERO, "the lamp is behind the sender");
     }
 
-    /// A blocker hung before the lamp for the first half of a second of light, and is gone in the other: its shadow stays.
+    /// A blocker hung before the lamp for the first half of a second of light, and is gone in the other: its
+    /// shadow stays.
     #[test]
     fn a_shadow_leaves_a_trace_where_it_was() {
         let decay = 0.4;
@@ -191,7 +194,8 @@ mod tests {
         );
     }
 
-    /// A box of fog before the square, lit evenly from afar, hides half of what is behind it and looks half like its paint.
+    /// A box of fog before the square, lit evenly from afar, hides half of what is behind it and looks half
+    /// like its paint.
     #[test]
     fn a_medium_shines_as_much_as_it_hides() {
         let mut kept = glow(&[0.3], &[[0.0, 1.5]], 4.0);

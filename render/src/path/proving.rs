@@ -1,5 +1,5 @@
-//! What tests of truth share: small scenes, and means with their standard errors to hold against closed forms. What is
-//! proved goes through [`Comparison::settle`], by the name of its proof.
+//! What tests of truth share: small scenes, and means with their standard errors to hold against closed
+//! forms. What is proved goes through [`Comparison::settle`], by the name of its proof.
 
 mod ledger;
 mod slope;

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 /// Edge of the squares of pixels that threads take, so that a thread's rays stay near each other.
 const TILE: usize = 16;
 
-/// An estimate that grows: each pass goes on with the sequences of the one before, so that passes that double the
-/// samples give what as many samples at once give, and an image to look at in between.
+/// An estimate that grows: each pass goes on with the sequences of the one before, so that passes that double
+/// the samples give what as many samples at once give, and an image to look at in between.
 pub struct Refinement<'a> {
     effect: Effect,
     shot: Shot<'a>,
@@ -83,8 +83,8 @@ impl<'a> Refinement<'a> {
         self.taken * self.scramblings
     }
 
-    /// Takes `count` more samples in each scrambling of the pixels (x, y) that are wanted, which are the same in every
-    /// pass. Says of each square of pixels that is finished how many of them it holds.
+    /// Takes `count` more samples in each scrambling of the pixels (x, y) that are wanted, which are the same
+    /// in every pass. Says of each square of pixels that is finished how many of them it holds.
     ///
     /// # Panics
     /// If a scrambling gets more than [`MAX_SAMPLES`].
@@ -123,9 +123,9 @@ impl<'a> Refinement<'a> {
         self.taken += count;
     }
 
-    /// Passes that double the samples until there are enough: `finished` is told of each pass's samples of a pixel, and
-    /// of each square of pixels that is finished how many of them it holds; `look` sees the image after each pass but
-    /// the last.
+    /// Passes that double the samples until there are enough: `finished` is told of each pass's samples of a
+    /// pixel, and of each square of pixels that is finished how many of them it holds; `look` sees the image
+    /// after each pass but the last.
     ///
     /// # Errors
     /// If `look` fails.
@@ -155,7 +155,8 @@ impl<'a> Refinement<'a> {
         Estimate { mean: self.image(|means| mean_and_variance(means)[0]), variance, samples: self.samples() }
     }
 
-    /// The scramblings so far as two images that have nothing to do with each other: of the even ones, of the odd ones.
+    /// The scramblings so far as two images that have nothing to do with each other: of the even ones, of the
+    /// odd ones.
     pub fn halves(&self) -> [Planes; 2] {
         [0, 1].map(|first| {
             self.image(|means| {

@@ -1,5 +1,5 @@
-//! Which way light took from a light to the eye. Every path belongs to one of four routes: those of the three fog
-//! effects and, for what met no medium vertex, surfaces alone.
+//! Which way light took from a light to the eye. Every path belongs to one of four routes: those of the three
+//! fog effects and, for what met no medium vertex, surfaces alone.
 
 use super::vertex::Vertex;
 

@@ -1,19 +1,21 @@
-//! Truth for subsurface scattering in screen space: direct light gathered from all pixels of the image, by the distance
-//! of their surfaces in space (thesis 7.4), with the normalised diffusion profile of Christensen and Burley,
-//! "Approximate Reflectance Profiles for Efficient Subsurface Scattering" (2015), equation 2:
+//! Truth for subsurface scattering in screen space: direct light gathered from all pixels of the image, by
+//! the distance of their surfaces in space (thesis 7.4), with the normalised diffusion profile of Christensen
+//! and Burley, "Approximate Reflectance Profiles for Efficient Subsurface Scattering" (2015), equation 2:
 //! `R(r) = (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r)`, of which a disc of radius r holds
 //! `1 - exp(-r / d) / 4 - 3 exp(-r / (3 d)) / 4`.
 //!
-//! Each colour has its own `d`: the mean free path of the pixel that receives. The paper divides that by a number which
-//! depends on the albedo, 1.0 to 1.4 for albedos above 0.65; the thesis' network is not told the albedo, so here it
-//! is 1. A pixel weighs as much as the profile at its distance times the area of the surface that it shows; itself, as
-//! the disc of that area. Weights are divided by their sum, so that evenly lit surfaces stay as they are. All surfaces
-//! in the image give and those out of it do not, whatever they belong to. A colour without a mean free path is not
-//! scattered. What is gathered is the attribute `L`, without emission.
+//! Each colour has its own `d`: the mean free path of the pixel that receives. The paper divides that by a
+//! number which depends on the albedo, 1.0 to 1.4 for albedos above 0.65; the thesis' network is not told the
+//! albedo, so here it is 1. A pixel weighs as much as the profile at its distance times the area of the
+//! surface that it shows; itself, as the disc of that area. Weights are divided by their sum, so that evenly
+//! lit surfaces stay as they are. All surfaces in the image give and those out of it do not, whatever they
+//! belong to. A colour without a mean free path is not scattered. What is gathered is the attribute `L`,
+//! without emission.
 //!
-//! The result has no noise: samples and footprint do not matter, and the variance is 0. Groups of pixels too far away
-//! for the profile to tell them apart count as one (Jensen and Buhler 2002), see [`TOLERANCE`]: in a test the image is
-//! within 0.2 % of the sum over all pairs of pixels (root mean square), and no pixel off by more than 2 %.
+//! The result has no noise: samples and footprint do not matter, and the variance is 0. Groups of pixels too
+//! far away for the profile to tell them apart count as one (Jensen and Buhler 2002), see [`TOLERANCE`]: in a
+//! test the image is within 0.2 % of the sum over all pairs of pixels (root mean square), and no pixel off by
+//! more than 2 %.
 
 mod tree;
 
@@ -26,14 +28,15 @@ use rayon::prelude::*;
 use std::f32::consts::PI;
 use tree::Tree;
 
-/// Pixels are taken together where the profile varies over them by less than this, in parts of all that it gathers.
+/// Pixels are taken together where the profile varies over them by less than this, in parts of all that it
+/// gathers.
 const TOLERANCE: f32 = 1e-3;
 
 /// Beyond this many lengths `d` less than 1e-4 of the profile is left: `3 exp(-r / (3 d)) / 4`.
 const SUPPORT: f32 = 26.8;
 
-/// The cosine that seen surfaces have at least, where their area is computed: a pixel that shows an edge does not
-/// outweigh the image.
+/// The cosine that seen surfaces have at least, where their area is computed: a pixel that shows an edge does
+/// not outweigh the image.
 const LEAST_COSINE: f32 = 0.05;
 
 /// Scattered light of a whole image: radiance.

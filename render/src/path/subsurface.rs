@@ -1,19 +1,20 @@
 //! Truth for subsurface scattering: light that random walks below the surface bring out again.
 //!
-//! A path enters where the surface is seen, in a cosine-distributed direction, flies on through a homogeneous medium
-//! that scatters isotropically, and ends at the first surface that it meets from within. What falls there from outside,
-//! direct light reflected diffusely by a white surface, comes out where it entered. The surface refracts nothing and
-//! spreads what passes it evenly, so that a half space under even light has the reflectance of the material's diffuse
-//! colour `A`: the albedo of a collision is `1 - s^2`, with the `s` whose half space reflects
-//! `A = (1 - s)(1 - 0.139 s) / (1 + 1.17 s)` (van de Hulst 1980; inverted by Kulla and Conty, "Revisiting Physically
-//! Based Shading at Imageworks", 2017), to 1 %, and to 3 % for what is almost black. `A` and the mean free path of each colour are those where the path enters. A
-//! colour without a mean free path, or with one that is lost in the rounding of positions, does not enter: it is
-//! reflected diffusely, which is the limit of short paths. Specular reflection and emission are left out.
+//! A path enters where the surface is seen, in a cosine-distributed direction, flies on through a homogeneous
+//! medium that scatters isotropically, and ends at the first surface that it meets from within. What falls
+//! there from outside, direct light reflected diffusely by a white surface, comes out where it entered. The
+//! surface refracts nothing and spreads what passes it evenly, so that a half space under even light has the
+//! reflectance of the material's diffuse colour `A`: the albedo of a collision is `1 - s^2`, with the `s`
+//! whose half space reflects `A = (1 - s)(1 - 0.139 s) / (1 + 1.17 s)` (van de Hulst 1980; inverted by Kulla
+//! and Conty, "Revisiting Physically Based Shading at Imageworks", 2017), to 1 %, and to 3 % for what is
+//! almost black. `A` and the mean free path of each colour are those where the path enters. A colour without
+//! a mean free path, or with one that is lost in the rounding of positions, does not enter: it is reflected
+//! diffusely, which is the limit of short paths. Specular reflection and emission are left out.
 //!
-//! No side of a mesh is its inside: a path enters away from the viewer, so that meshes turned inside out look the same.
-//! Light is lost on paths that leave through a hole without meeting a surface, and on those still below after
-//! [`MOST_COLLISIONS`], less than one in a hundred even in a white half space. Another object's surface inside ends
-//! a path like the object's own, with the light that falls on it from behind.
+//! No side of a mesh is its inside: a path enters away from the viewer, so that meshes turned inside out look
+//! the same. Light is lost on paths that leave through a hole without meeting a surface, and on those still
+//! below after [`MOST_COLLISIONS`], less than one in a hundred even in a white half space. Another object's
+//! surface inside ends a path like the object's own, with the light that falls on it from behind.
 
 use super::direct::direct_light;
 use super::medium::FreeFlight;
@@ -121,7 +122,8 @@ fn same_triangle(a: &Hit, b: &Hit) -> bool {
     (a.mesh, a.triangle) == (b.mesh, b.triangle)
 }
 
-/// Direct light that a path through the surface at `hit` finds outside: what a white matte surface would reflect.
+/// Direct light that a path through the surface at `hit` finds outside: what a white matte surface would
+/// reflect.
 fn light_outside(scene: &TracedScene, hit: &Hit, direction: Vec3) -> Vec3 {
     let mut outside = SurfacePoint::new(scene, hit, -direction);
     outside.surface.diffuse = Vec3::ONE;

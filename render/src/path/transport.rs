@@ -1,10 +1,12 @@
-//! Path tracing: light carried from where it is emitted to the eye, over any number of surfaces and through the medium.
+//! Path tracing: light carried from where it is emitted to the eye, over any number of surfaces and through
+//! the medium.
 //!
-//! At each vertex of a path, a light is sampled and looked at directly (next event estimation), and the path goes on in
-//! a direction sampled from the reflectance or the phase function, which may meet a light too. Both ways of finding the
-//! same light are weighed by the power heuristic (Veach 1997, 9.2.2). From the fifth vertex on, paths that carry little
-//! end by Russian roulette, which keeps the mean. Blended surfaces are there with the probability of their opacity for
-//! paths and let their share through to lights ([`crate::bvh`]), so that every pixel converges.
+//! At each vertex of a path, a light is sampled and looked at directly (next event estimation), and the path
+//! goes on in a direction sampled from the reflectance or the phase function, which may meet a light too.
+//! Both ways of finding the same light are weighed by the power heuristic (Veach 1997, 9.2.2). From the fifth
+//! vertex on, paths that carry little end by Russian roulette, which keeps the mean. Blended surfaces are
+//! there with the probability of their opacity for paths and let their share through to lights
+//! ([`crate::bvh`]), so that every pixel converges.
 
 use super::lights::{LightSample, Lights, LightsAt};
 use super::medium::{Flight, Media, Segment};
@@ -84,8 +86,8 @@ struct Edge<'a> {
     origin: Vec3,
     /// Unit vector.
     direction: Vec3,
-    /// With which density the direction was sampled, per steradian, and the lights that the vertex sampled too; `None`
-    /// from the eye, and from vertices whose light is not wanted.
+    /// With which density the direction was sampled, per steradian, and the lights that the vertex sampled
+    /// too; `None` from the eye, and from vertices whose light is not wanted.
     sampled: Option<(f32, LightsAt<'a>)>,
 }
 
@@ -103,8 +105,8 @@ impl<'a> Transport<'a> {
         }
     }
 
-    /// Only light that was reflected or scattered at most that often: 0 leaves what is emitted towards the eye, 1 direct
-    /// light.
+    /// Only light that was reflected or scattered at most that often: 0 leaves what is emitted towards the
+    /// eye, 1 direct light.
     #[must_use]
     pub fn with_bounces(self, most: u32) -> Self {
         Self { most_vertices: most, ..self }
@@ -116,8 +118,8 @@ impl<'a> Transport<'a> {
         Self { finding, ..self }
     }
 
-    /// Only light that took a route. It is looked for where it can be: paths that cannot become it end, and do not pass by
-    /// the medium where it must be met.
+    /// Only light that took a route. It is looked for where it can be: paths that cannot become it end, and
+    /// do not pass by the medium where it must be met.
     #[must_use]
     pub fn with_route(self, wanted: Route) -> Self {
         Self { wanted: Some(wanted), ..self }
@@ -137,8 +139,8 @@ impl<'a> Transport<'a> {
         sum
     }
 
-    /// One path from the eye. `found` gets every piece of light that it finds, with the vertices that the light met:
-    /// the sum of all is one sample of the radiance.
+    /// One path from the eye. `found` gets every piece of light that it finds, with the vertices that the
+    /// light met: the sum of all is one sample of the radiance.
     pub fn trace(
         &self,
         origin: Vec3,
@@ -284,7 +286,8 @@ impl<'a> Transport<'a> {
         kept + emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
     }
 
-    /// How much light that an edge met counts, which is sampled among the lights with the density of `sampled`.
+    /// How much light that an edge met counts, which is sampled among the lights with the density of
+    /// `sampled`.
     fn weight(&self, edge: &Edge<'_>, sampled: impl Fn(&LightsAt<'_>) -> f32) -> f32 {
         match (&edge.sampled, self.finding) {
             (None, _) | (_, Finding::Paths) => 1.0,

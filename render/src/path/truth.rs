@@ -1,5 +1,5 @@
-//! Truth: the image that methods are measured against, with its noise as a variance and as what a perfect image would
-//! score.
+//! Truth: the image that methods are measured against, with its noise as a variance and as what a perfect
+//! image would score.
 
 use super::estimate::{Estimate, Goal, SCRAMBLINGS};
 use super::{Refinement, Shot};
@@ -11,13 +11,15 @@ use std::convert::Infallible;
 pub struct Truth {
     /// The image and its variance, from eight independent scramblings.
     pub estimate: Estimate,
-    /// Means of half the scramblings each, which have nothing to do with each other. How far they agree is a lower bound
-    /// of what a perfect image scores: that is measured against the mean of all, which has less noise than either.
+    /// Means of half the scramblings each, which have nothing to do with each other. How far they agree is a
+    /// lower bound of what a perfect image scores: that is measured against the mean of all, which has less
+    /// noise than either.
     pub halves: [Planes; 2],
 }
 
 impl Truth {
-    /// Renders truth of the pixels (x, y) that are wanted; the others are 0. Different seeds give independent images.
+    /// Renders truth of the pixels (x, y) that are wanted; the others are 0. Different seeds give independent
+    /// images.
     pub fn render(
         effect: Effect,
         shot: &Shot<'_>,

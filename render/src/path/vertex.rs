@@ -1,4 +1,5 @@
-//! Where a path turns: on a surface or in the medium. Shared by all integrators that follow paths through a medium.
+//! Where a path turns: on a surface or in the medium. Shared by all integrators that follow paths through a
+//! medium.
 
 use super::bsdf::{Bsdf, BsdfSample};
 use super::medium::{HenyeyGreenstein, Media};
@@ -49,7 +50,8 @@ impl Vertex {
         }
     }
 
-    /// Share of light from a direction that is turned to the vertex before, per steradian; with the cosine on surfaces.
+    /// Share of light from a direction that is turned to the vertex before, per steradian; with the cosine on
+    /// surfaces.
     pub fn evaluate(&self, to_light: Vec3) -> Vec3 {
         match self {
             Self::Surface { bsdf, to_viewer, .. } => bsdf.evaluate(*to_viewer, to_light),

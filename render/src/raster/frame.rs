@@ -1,5 +1,5 @@
-//! A frame on the GPU, from the moment and the camera to the g-buffer, in stages that can be timed one by one. All is
-//! allocated when it is made; from frame to frame only small uniforms are written.
+//! A frame on the GPU, from the moment and the camera to the g-buffer, in stages that can be timed one by
+//! one. All is allocated when it is made; from frame to frame only small uniforms are written.
 
 use super::attributes;
 use super::light;
@@ -26,7 +26,8 @@ pub struct Settings {
     pub width: usize,
     /// What the g-buffer holds.
     pub attributes: Vec<Attribute>,
-    /// Edge of shadow maps, texels, smaller where there are many lights; without, lamps shine through everything.
+    /// Edge of shadow maps, texels, smaller where there are many lights; without, lamps shine through
+    /// everything.
     pub shadow_size: Option<usize>,
 }
 
@@ -69,8 +70,8 @@ impl Frame {
         Ok(Self { world, surface, image, attributes, light, gbuffer, view: None, view_before })
     }
 
-    /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter` seconds around it,
-    /// seen by a camera.
+    /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter`
+    /// seconds around it, seen by a camera.
     pub fn set(&mut self, queue: &wgpu::Queue, time: f32, shutter: f32, camera: &Camera) {
         let (height, width) = (self.gbuffer.height(), self.gbuffer.width());
         let view = perspective(camera, height, width, NEAR * self.world.bounds.diagonal());

@@ -7,8 +7,8 @@ use glam::{Vec2, Vec3, Vec4};
 use std::collections::BTreeSet;
 use wgpu::BufferUsages;
 
-/// Numbers of a vertex that change over time: position, normal, tangent with sign, displacement while the shutter is
-/// open, way since the frame before.
+/// Numbers of a vertex that change over time: position, normal, tangent with sign, displacement while the
+/// shutter is open, way since the frame before.
 pub const POSED: usize = 16;
 
 /// Numbers of a vertex that stay: two sets of texture coordinates, colour with alpha.

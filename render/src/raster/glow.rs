@@ -1,5 +1,5 @@
-//! What of a scene keeps light, on the GPU: its paints, the time that passes from frame to frame, and the pass in which states
-//! move on by it.
+//! What of a scene keeps light, on the GPU: its paints, the time that passes from frame to frame, and the
+//! pass in which states move on by it.
 
 use super::light::shadow_sampler;
 use super::world::World;
@@ -12,7 +12,8 @@ use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;
 
-/// Turns that the loops of an invocation take at most, but for a few: lavapipe (Mesa 22.3) ends them after 65,535 in all.
+/// Turns that the loops of an invocation take at most, but for a few: lavapipe (Mesa 22.3) ends them after
+/// 65,535 in all.
 const MOST_TURNS: usize = 48_000;
 /// Points of a way to a lamp at which a medium is looked up: `shared/light_dimmed.wgsl`.
 const POINTS: usize = 32;
@@ -27,7 +28,8 @@ pub struct GlowOnGpu {
     before: Option<f32>,
     /// `[paints, states]` records.
     pub paints: wgpu::Buffer,
-    /// The time since the frame before. In the first frame, and where time has gone back, it is all of the past.
+    /// The time since the frame before. In the first frame, and where time has gone back, it is all of the
+    /// past.
     pub since: wgpu::Buffer,
     /// All of the past.
     pub past: wgpu::Buffer,
@@ -65,7 +67,8 @@ impl GlowOnGpu {
         self.before = None;
     }
 
-    /// Says that the next frame goes from one moment to another only, from the first state of all on where it is the `first`.
+    /// Says that the next frame goes from one moment to another only, from the first state of all on where it
+    /// is the `first`.
     pub fn set_stretch(&mut self, queue: &wgpu::Queue, is_first: bool, [from, to]: [f32; 2], moment: f32) {
         let pieces = if is_first { self.glow.past(to) } else { self.glow.between(from, to) };
         queue.write_buffer(&self.since, 0, bytemuck::cast_slice(&self.time(is_first, &pieces)));
@@ -98,8 +101,8 @@ impl GlowOnGpu {
         ("PAINT_STATES", (self.glow.paints().count().max(1) * self.states()) as u32)
     }
 
-    /// The passes of such a shader that move the states of `count` keepers on: several, one after the other, where one would take too
-    /// many turns.
+    /// The passes of such a shader that move the states of `count` keepers on: several, one after the other,
+    /// where one would take too many turns.
     ///
     /// # Errors
     /// If the device refuses.
@@ -179,8 +182,8 @@ impl Keeping<'_> {
     }
 }
 
-/// The pieces of time that each dispatch of a pass that moves states on goes through, by so many steps of Euler's scheme each: from which
-/// one on, and how many.
+/// The pieces of time that each dispatch of a pass that moves states on goes through, by so many steps of
+/// Euler's scheme each: from which one on, and how many.
 fn rounds(glow: &Glow, euler: u32) -> Vec<[u32; 2]> {
     let per_piece = glow.most_states() * (1 + glow.schedules.len() + euler as usize);
     let count = (MOST_TURNS / per_piece).max(1);

@@ -19,8 +19,8 @@ use std::collections::BTreeMap;
 pub struct Lights {
     /// `[lights]` records.
     pub records: wgpu::Buffer,
-    /// The same, but that lamps which a glowing scene has switched off send nothing: for light that truth has at one moment. What
-    /// surfaces keep is of all lamps at other times, too.
+    /// The same, but that lamps which a glowing scene has switched off send nothing: for light that truth has
+    /// at one moment. What surfaces keep is of all lamps at other times, too.
     pub shining: wgpu::Buffer,
     /// Texels of the pictures that lights project, a word each.
     pub pictures: wgpu::Buffer,
@@ -32,7 +32,8 @@ pub struct Lights {
     belongings: Vec<Belongings>,
 }
 
-/// A light's first map and how many it has; its picture's first texel, columns, rows, and what its bytes mean.
+/// A light's first map and how many it has; its picture's first texel, columns, rows, and what its bytes
+/// mean.
 type Belongings = (Option<(usize, usize)>, Option<[f32; 4]>);
 
 impl Lights {

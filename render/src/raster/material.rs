@@ -7,7 +7,8 @@ use deepshade_shaders::gpu::{self, GpuError, RasterPass};
 use deepshade_shaders::wgsl::uniforms::MaterialRecord;
 use glam::Affine2;
 
-/// What a material is on the GPU. Blended surfaces are there where a camera's rays see them: from half opacity on.
+/// What a material is on the GPU. Blended surfaces are there where a camera's rays see them: from half
+/// opacity on.
 pub fn record(material: &Material) -> MaterialRecord {
     let limit = match material.alpha {
         AlphaMode::Opaque => f32::MIN,

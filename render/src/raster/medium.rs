@@ -1,5 +1,5 @@
-//! A scene's medium on the GPU: its coefficients and box, and its densities as a texture, since passes that light surfels
-//! through it bind as many buffers as WebGPU allows.
+//! A scene's medium on the GPU: its coefficients and box, and its densities as a texture, since passes that
+//! light surfels through it bind as many buffers as WebGPU allows.
 
 use crate::scene::{Bounds, Density, Medium, Scene};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};

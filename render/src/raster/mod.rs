@@ -3,9 +3,11 @@
 //!
 //! - [`world`] is the scene on the GPU, whoever looks at it.
 //! - [`geometry`] holds the vertices and [`pose`] moves those that are animated.
-//! - [`surface`] draws the nearest surface of each pixel into eight words, which [`attributes`] spreads over the planes of
-//!   a [`GpuGBuffer`](crate::screen::GpuGBuffer): the same channels as those of [`crate::gbuffer`], which traces rays.
-//! - [`shadow`] draws the lights' maps, [`light`] gathers what they send, [`reflective`] what a light's rays meet.
+//! - [`surface`] draws the nearest surface of each pixel into eight words, which [`attributes`] spreads over
+//!   the planes of a [`GpuGBuffer`](crate::screen::GpuGBuffer): the same channels as those of
+//!   [`crate::gbuffer`], which traces rays.
+//! - [`shadow`] draws the lights' maps, [`light`] gathers what they send, [`reflective`] what a light's rays
+//!   meet.
 //! - [`patches`] cuts a scene's surface into parts, once, which surfels and volumes are made of.
 //! - [`glow`] holds what surfaces keep light of, and the time that passes.
 //! - [`since`] says how far surfaces moved since the frame before.

@@ -1,5 +1,5 @@
-//! Reflective shadow maps: where a light's rays meet the scene, and the power that is reflected there (Dachsbacher and
-//! Stamminger 2005).
+//! Reflective shadow maps: where a light's rays meet the scene, and the power that is reflected there
+//! (Dachsbacher and Stamminger 2005).
 
 use super::attributes::seen_bindings;
 use super::geometry::Geometry;
@@ -18,8 +18,8 @@ pub const PLANES: usize = 9;
 pub struct ReflectiveMap {
     image: SurfaceImage,
     step: Step,
-    /// `[9, size, size]` f32: position in world space, metres; normal; flux that is reflected diffusely, watts. All 0 where
-    /// nothing is met.
+    /// `[9, size, size]` f32: position in world space, metres; normal; flux that is reflected diffusely,
+    /// watts. All 0 where nothing is met.
     pub texels: wgpu::Buffer,
 }
 

@@ -6,8 +6,8 @@ use crate::screen::Step;
 use deepshade_shaders::gpu::{self, GpuError, Pass, Stamps};
 use deepshade_shaders::wgsl::{Shader, TILE};
 
-/// How far each pixel's surface moved in the image since the frame before (x to the right, y up, pixels), its depth, and
-/// the depth that it had then; 0 where nothing is seen: `[4, height, width]` f32.
+/// How far each pixel's surface moved in the image since the frame before (x to the right, y up, pixels), its
+/// depth, and the depth that it had then; 0 where nothing is seen: `[4, height, width]` f32.
 #[derive(Debug)]
 pub struct Since {
     step: Step,

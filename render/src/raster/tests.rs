@@ -51,7 +51,8 @@ fn rasterised(gpu: &Gpu, scene: &Scene, camera: &Camera) -> GBuffer {
     read(gpu, &frame)
 }
 
-/// A family's scene with a lamp, a spot and a sun, with materials of every kind, and with meshes on their way.
+/// A family's scene with a lamp, a spot and a sun, with materials of every kind, and with meshes on their
+/// way.
 fn rich(family: Family) -> Scene {
     let mut scene = family.scene(3);
     let bounds = scene.bounds();
@@ -93,8 +94,8 @@ fn camera_in(scene: &TracedScene) -> Camera {
     Camera { lens: Some(lens), ..Camera::look_at(eye, bounds.centre()) }
 }
 
-/// The share of pixels at which an attribute differs by more than `tolerance`, relative to the larger of both, which counts
-/// as 0.01 at least.
+/// The share of pixels at which an attribute differs by more than `tolerance`, relative to the larger of
+/// both, which counts as 0.01 at least.
 fn share_outside(a: &GBuffer, b: &GBuffer, attribute: Attribute, tolerance: f32) -> f32 {
     let [a, b] = [a, b].map(|gbuffer| gbuffer.select(&[attribute]).expect("rendered"));
     let value = |planes: &Planes, pixel: usize| {
@@ -109,8 +110,8 @@ fn share_outside(a: &GBuffer, b: &GBuffer, attribute: Attribute, tolerance: f32)
     (0..a.pixels()).filter(differs).count() as f32 / a.pixels() as f32
 }
 
-/// How far an attribute may be off, and at which share of the pixels by more: those whose middle an edge passes within what
-/// rasterisers round positions to (1/256 of a pixel).
+/// How far an attribute may be off, and at which share of the pixels by more: those whose middle an edge
+/// passes within what rasterisers round positions to (1/256 of a pixel).
 const fn agreement(attribute: Attribute) -> (f32, f32) {
     match attribute {
         // The GPU reads textures with eight bits between texels, and words hold 16.

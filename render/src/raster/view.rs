@@ -19,8 +19,8 @@ pub fn perspective(camera: &Camera, height: usize, width: usize, near: f32) -> F
     }
 }
 
-/// A square map of `size` texels that sees, from `eye` along the third axis' opposite, what is within `half` metres to
-/// each side and `far` metres deep.
+/// A square map of `size` texels that sees, from `eye` along the third axis' opposite, what is within `half`
+/// metres to each side and `far` metres deep.
 pub fn parallel(eye: Vec3, axes: Mat3, half: f32, far: f32, size: usize) -> FrameView {
     FrameView { scale_x: 1.0 / half, scale_y: 1.0 / half, far, ..placed(eye, axes, size, size) }
 }

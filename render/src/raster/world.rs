@@ -1,4 +1,5 @@
-//! A scene on the GPU, whoever looks at it: vertices as they are posed, materials, lights and their shadow maps.
+//! A scene on the GPU, whoever looks at it: vertices as they are posed, materials, lights and their shadow
+//! maps.
 
 use super::attributes::Materials;
 use super::geometry::Geometry;
@@ -56,8 +57,8 @@ pub struct World {
 }
 
 impl World {
-    /// Sends a scene to the GPU, with room for shadow maps of `shadow_size` texels to a side, smaller where there are many
-    /// lights; without it there are none.
+    /// Sends a scene to the GPU, with room for shadow maps of `shadow_size` texels to a side, smaller where
+    /// there are many lights; without it there are none.
     ///
     /// # Errors
     /// If the device refuses or has no room; the buffer, texture or pass is named.
@@ -98,14 +99,15 @@ impl World {
         })
     }
 
-    /// The same, with what it was like before: worlds of the same triangles, each with the stretch of time for which it stands, from
-    /// and up to how many seconds ago, the oldest first.
+    /// The same, with what it was like before: worlds of the same triangles, each with the stretch of time
+    /// for which it stands, from and up to how many seconds ago, the oldest first.
     #[must_use]
     pub fn with_past(self, past: Vec<([f32; 2], Self)>) -> Self {
         Self { past, ..self }
     }
 
-    /// What it was like before, as [`Self::with_past`] says; nothing where it stays, and in a sequence, whose frames are the past.
+    /// What it was like before, as [`Self::with_past`] says; nothing where it stays, and in a sequence, whose
+    /// frames are the past.
     pub fn past(&self) -> &[([f32; 2], Self)] {
         &self.past
     }
@@ -116,8 +118,8 @@ impl World {
         self.past().iter().map(|(_, pose)| pose).chain(still)
     }
 
-    /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter` seconds around it, by
-    /// a camera whose images are `aspect` times as wide as high.
+    /// Says what the next frame shows: the scene at `time` seconds, with the shutter open for `shutter`
+    /// seconds around it, by a camera whose images are `aspect` times as wide as high.
     pub fn set(&mut self, queue: &wgpu::Queue, time: f32, shutter: f32, camera: &Camera, aspect: f32) {
         if let Some(posing) = &mut self.posing {
             posing.set(queue, &self.rigs, time, shutter);
@@ -141,8 +143,8 @@ impl World {
         self.seen = Some(seen);
     }
 
-    /// Moves, turns, dims or brightens the lights; those that an animation moves go on as it says. Light that surfaces keep is then
-    /// as if they had always been so.
+    /// Moves, turns, dims or brightens the lights; those that an animation moves go on as it says. Light that
+    /// surfaces keep is then as if they had always been so.
     ///
     /// # Panics
     /// If they are not as many, and of the same kinds: their maps are laid out.
@@ -169,8 +171,8 @@ impl World {
         ]
     }
 
-    /// Of a pass that reads light that surfaces keep, in a clear scene and in one whose medium dims the lamps', the one that this
-    /// scene wants, with its constants.
+    /// Of a pass that reads light that surfaces keep, in a clear scene and in one whose medium dims the
+    /// lamps', the one that this scene wants, with its constants.
     pub fn dimmed(&self, [clear, dimmed]: [Shader; 2]) -> (Shader, Vec<(&'static str, u32)>) {
         let mut constants =
             [&self.glow.constants()[..], &[("LIGHTS", self.gpu_lights.count as u32)]].concat();
@@ -239,14 +241,15 @@ impl World {
         }
     }
 
-    /// From where the maps of one of the scene's lights look in this frame, `size` texels wide each; none before a frame is
-    /// set.
+    /// From where the maps of one of the scene's lights look in this frame, `size` texels wide each; none
+    /// before a frame is set.
     pub fn light_views(&self, light: usize, size: usize) -> Vec<FrameView> {
         self.seen.iter().flat_map(|seen| shadow::views(&self.lights[light], size, *seen)).collect()
     }
 }
 
-/// What the device does in another way than asked; of shadows where any are asked for, with maps of which size.
+/// What the device does in another way than asked; of shadows where any are asked for, with maps of which
+/// size.
 fn notes(textures: &Textures, shadows: Option<(&MapPlan, usize)>) -> Vec<String> {
     let mut notes = Vec::new();
     if !textures.reduced.is_empty() {

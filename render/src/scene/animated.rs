@@ -1,5 +1,5 @@
-//! Scenes over time: what does not move once, and how the rest does, so that a frame can be posed without reading a file
-//! again. And one scene put into another: a character into a hall.
+//! Scenes over time: what does not move once, and how the rest does, so that a frame can be posed without
+//! reading a file again. And one scene put into another: a character into a hall.
 
 use super::gltf::{self, Rig};
 use super::{Bounds, Light, Scene, SceneError, SceneSource, TextureId, ending};
@@ -23,8 +23,8 @@ impl From<Scene> for AnimatedScene {
 }
 
 impl AnimatedScene {
-    /// Reads a scene as it is at `time` seconds, with what moves in it. What moves while a shutter is open is said by its
-    /// poses; procedural scenes stay.
+    /// Reads a scene as it is at `time` seconds, with what moves in it. What moves while a shutter is open is
+    /// said by its poses; procedural scenes stay.
     ///
     /// # Errors
     /// As [`SceneSource::scene`].
@@ -79,8 +79,9 @@ impl AnimatedScene {
         spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
-    /// The scene as it is at `time`, seconds, with what moves in the `shutter` seconds around that. The file is not read again.
-    /// Its triangles are the same at all times: what moves keeps those that have no area now.
+    /// The scene as it is at `time`, seconds, with what moves in the `shutter` seconds around that. The file
+    /// is not read again. Its triangles are the same at all times: what moves keeps those that have no area
+    /// now.
     ///
     /// # Errors
     /// If the time is none, or a vertex is nowhere then.
@@ -104,8 +105,8 @@ impl AnimatedScene {
 }
 
 impl Scene {
-    /// Puts another scene into this one, moved by `place`. Environment and medium stay what they are here; cameras of the
-    /// other are left out.
+    /// Puts another scene into this one, moved by `place`. Environment and medium stay what they are here;
+    /// cameras of the other are left out.
     pub fn add(&mut self, other: Self, place: Mat4) {
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         let moved = |texture: TextureId| TextureId(texture.0 + textures);

@@ -1,12 +1,12 @@
-//! Texture coordinates for meshes that have none: an object is put into a box, and every triangle takes the picture
-//! from the side of the box that it faces most ("automatic per-object box mapping", thesis 7.3.1).
+//! Texture coordinates for meshes that have none: an object is put into a box, and every triangle takes the
+//! picture from the side of the box that it faces most ("automatic per-object box mapping", thesis 7.3.1).
 
 use super::Mesh;
 use glam::{Vec2, Vec3};
 
-/// Gives a mesh its first set of texture coordinates where that is empty: across and down each side of the mesh's box,
-/// in lengths of the box's longest edge. Vertices that triangles of different sides share become several. A mesh with
-/// coordinates, or without triangles, stays as it is.
+/// Gives a mesh its first set of texture coordinates where that is empty: across and down each side of the
+/// mesh's box, in lengths of the box's longest edge. Vertices that triangles of different sides share become
+/// several. A mesh with coordinates, or without triangles, stays as it is.
 pub fn box_map(mesh: &mut Mesh) {
     if !mesh.uvs[0].is_empty() || mesh.triangles.is_empty() {
         return;
@@ -89,7 +89,8 @@ mod tests {
             assert_eq!(mesh.corners(triangle), before.corners(triangle));
             let [p, q, r] = mesh.corners(triangle);
             let [a, b, c] = mesh.triangles[triangle].map(|vertex| mesh.uvs[0][vertex as usize]);
-            // Lengths are those of space in units of the longest edge, and the picture is not mirrored: v points down.
+            // Lengths are those of space in units of the longest edge, and the picture is not mirrored: v
+            // points down.
             assert!(((b - a).length() - (q - p).length() / 4.0).abs() < 1e-6);
             let area = (b - a).perp_dot(c - a);
             assert!((area + (q - p).cross(r - p).length() / 16.0).abs() < 1e-6, "{triangle}: {area}");

@@ -75,7 +75,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera at `position` that looks at `target` with [`FIELD_OF_VIEW`]; `y` is up unless the view is along it.
+    /// A camera at `position` that looks at `target` with [`FIELD_OF_VIEW`]; `y` is up unless the view is
+    /// along it.
     pub fn look_at(position: Vec3, target: Vec3) -> Self {
         let backward = (position - target).normalize();
         let up = if backward.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
@@ -84,8 +85,8 @@ impl Camera {
         Self { position, rotation, vertical_fov: FIELD_OF_VIEW.to_radians(), lens: None }
     }
 
-    /// The unit direction, in world space, through a point of the image given in pixels from the top left corner
-    /// (a pixel's middle is at half-integers).
+    /// The unit direction, in world space, through a point of the image given in pixels from the top left
+    /// corner (a pixel's middle is at half-integers).
     pub fn direction(&self, pixel: Vec2, height: usize, width: usize) -> Vec3 {
         let scale = 2.0 * (0.5 * self.vertical_fov).tan() / height as f32;
         let x = (pixel.x - 0.5 * width as f32) * scale;
@@ -93,9 +94,9 @@ impl Camera {
         (self.rotation * Vec3::new(x, y, -1.0)).normalize()
     }
 
-    /// Origin and unit direction, in world space, of the ray through a point of the image and a point of the lens. Points
-    /// of the unit square are spread evenly over the aperture; every one of them sees the plane in focus alike, so that
-    /// it stays sharp. Without a lens, that of [`Camera::direction`].
+    /// Origin and unit direction, in world space, of the ray through a point of the image and a point of the
+    /// lens. Points of the unit square are spread evenly over the aperture; every one of them sees the plane
+    /// in focus alike, so that it stays sharp. Without a lens, that of [`Camera::direction`].
     pub fn ray(&self, at: Vec2, height: usize, width: usize, on_lens: Vec2) -> (Vec3, Vec3) {
         let direction = self.direction(at, height, width);
         let Some(lens) = self.lens.filter(|lens| lens.radius > 0.0) else {
@@ -107,27 +108,27 @@ impl Camera {
         (self.position + aside, (direction * (lens.focus / along) - aside).normalize())
     }
 
-    /// Radius in pixels of the circle of confusion of what is infinitely far away: `B`, the parameter of a lens that
-    /// blurs an image (thesis 7.3.1). 0 without a lens.
+    /// Radius in pixels of the circle of confusion of what is infinitely far away: `B`, the parameter of a
+    /// lens that blurs an image (thesis 7.3.1). 0 without a lens.
     pub fn blur_at_infinity(&self, height: usize) -> f32 {
         self.lens.map_or(0.0, |lens| self.focal_length(height) * lens.radius / lens.focus)
     }
 
-    /// Signed distance of a depth to the plane in focus, metres, positive beyond it: `Dfocal`. 0 without a lens, which
-    /// has everything in focus.
+    /// Signed distance of a depth to the plane in focus, metres, positive beyond it: `Dfocal`. 0 without a
+    /// lens, which has everything in focus.
     pub fn focal_distance(&self, depth: f32) -> f32 {
         self.lens.map_or(0.0, |lens| depth - lens.focus)
     }
 
     /// Radius in pixels of the disc that a point at a depth becomes: the circle of confusion of a thin lens,
-    /// `A f |d - df| / (d (df - f))` (Potmesil and Chakravarty 1981), in terms of the image of a pinhole of the same
-    /// angle of view, whose focal length takes in the lens' magnification: `B |Dfocal| / d`.
+    /// `A f |d - df| / (d (df - f))` (Potmesil and Chakravarty 1981), in terms of the image of a pinhole of
+    /// the same angle of view, whose focal length takes in the lens' magnification: `B |Dfocal| / d`.
     pub fn circle_of_confusion(&self, depth: f32, height: usize) -> f32 {
         self.blur_at_infinity(height) * self.focal_distance(depth).abs() / depth
     }
 
-    /// Where a camera-space point is in the image of the pinhole, in pixels from the top left corner; `None` for points
-    /// that are not in front of the camera.
+    /// Where a camera-space point is in the image of the pinhole, in pixels from the top left corner; `None`
+    /// for points that are not in front of the camera.
     pub fn project(&self, point: Vec3, height: usize, width: usize) -> Option<Vec2> {
         let depth = -point.z;
         let middle = 0.5 * Vec2::new(width as f32, height as f32);

@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// Largest edge of an image, texels.
 const LARGEST_EDGE: u32 = 16_384;
 
-/// The most texels that a byte of a PNG file stands for: DEFLATE repeats 258 bytes with two bits, and a byte has eight texels
-/// of one bit.
+/// The most texels that a byte of a PNG file stands for: DEFLATE repeats 258 bytes with two bits, and a byte
+/// has eight texels of one bit.
 const TEXELS_PER_BYTE_PNG: u64 = 8 * 1032;
 /// The same of a JPEG file: each block of 8 x 8 takes a bit.
 const TEXELS_PER_BYTE_JPEG: u64 = 8 * 64;
@@ -110,8 +110,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     Ok(image.expect("one image of one"))
 }
 
-/// Decodes images, several at once as far as memory holds what that takes. The error says which image is at fault, and how:
-/// nothing is decoded where memory does not hold all of them.
+/// Decodes images, several at once as far as memory holds what that takes. The error says which image is at
+/// fault, and how: nothing is decoded where memory does not hold all of them.
 pub(super) fn all(images: &[Encoded<'_>]) -> Result<Vec<Image>, (usize, String)> {
     let texels: Vec<u64> = images.iter().map(Encoded::texels).collect();
     let batches = batches(&texels, memory::available()).map_err(|index| {
@@ -136,8 +136,8 @@ pub(super) fn check(width: usize, height: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// Images that are decoded at once, in their order, so that with what is kept of those before them they fit into some bytes; the
-/// error is the first that does not fit.
+/// Images that are decoded at once, in their order, so that with what is kept of those before them they fit
+/// into some bytes; the error is the first that does not fit.
 fn batches(texels: &[u64], bytes: u64) -> Result<Vec<Range<usize>>, usize> {
     let mut batches = Vec::new();
     let mut begin = 0;

@@ -1,14 +1,15 @@
 //! What shines from infinitely far away: equirectangular images, from Radiance HDR or OpenEXR files.
 //!
-//! y is up. Column `u` in [0, 1) and row `v` in [0, 1] of the image, from its top left corner, lie in the direction
-//! `(sin(2 pi u) sin(pi v), cos(pi v), -cos(2 pi u) sin(pi v))`: the image's middle is +z, its left and right edge -z,
-//! and a quarter from the left is +x, so that somebody inside sees the image unmirrored. OpenEXR's latitude-longitude
-//! maps and Mitsuba's `envmap` are laid out alike.
+//! y is up. Column `u` in [0, 1) and row `v` in [0, 1] of the image, from its top left corner, lie in the
+//! direction `(sin(2 pi u) sin(pi v), cos(pi v), -cos(2 pi u) sin(pi v))`: the image's middle is +z, its left
+//! and right edge -z, and a quarter from the left is +x, so that somebody inside sees the image unmirrored.
+//! OpenEXR's latitude-longitude maps and Mitsuba's `envmap` are laid out alike.
 //!
-//! Radiance is bilinear between texel middles: columns start again, rows stay at the poles. Directions are sampled from
-//! a density that is constant across each texel and proportional to the mean, over the texel and the three colours, of
-//! that very interpolation, so that it is positive wherever there is light (Pharr, Jakob and Humphreys, "Physically
-//! Based Rendering", 12.5 and A.5; theirs is constant in the image, ours in solid angle).
+//! Radiance is bilinear between texel middles: columns start again, rows stay at the poles. Directions are
+//! sampled from a density that is constant across each texel and proportional to the mean, over the texel and
+//! the three colours, of that very interpolation, so that it is positive wherever there is light (Pharr,
+//! Jakob and Humphreys, "Physically Based Rendering", 12.5 and A.5; theirs is constant in the image, ours in
+//! solid angle).
 
 mod cumulative;
 mod file;
@@ -62,12 +63,12 @@ pub struct EnvironmentSample {
 }
 
 impl Environment {
-    /// Reads an equirectangular image: Radiance (.hdr) or OpenEXR (.exr; scan lines, tiles or mip maps, channels R, G
-    /// and B or Y alone). Texels below 0 are taken as 0, which [`Environment::warning`] says.
+    /// Reads an equirectangular image: Radiance (.hdr) or OpenEXR (.exr; scan lines, tiles or mip maps,
+    /// channels R, G and B or Y alone). Texels below 0 are taken as 0, which [`Environment::warning`] says.
     ///
     /// # Errors
-    /// If the file is missing, damaged, taller than wide, absurdly large or of another format, or if a texel is
-    /// not finite; the file and the texel are named.
+    /// If the file is missing, damaged, taller than wide, absurdly large or of another format, or if a texel
+    /// is not finite; the file and the texel are named.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
         let file::Image { width, height, mut texels, cropped } = file::read(path)?;
         if height > width {
@@ -96,8 +97,8 @@ impl Environment {
     /// An environment of texels, row by row from the top, called `name` in errors.
     ///
     /// # Errors
-    /// If there are not `width * height` texels, none, more than 16,384 along an edge, or one is negative or not
-    /// finite.
+    /// If there are not `width * height` texels, none, more than 16,384 along an edge, or one is negative or
+    /// not finite.
     pub fn new(name: &Path, width: usize, height: usize, texels: Vec<Vec3>) -> Result<Self, SceneError> {
         check_size(width, height).map_err(|what| SceneError::invalid(name, what))?;
         if texels.len() != width * height {
@@ -168,8 +169,8 @@ impl Environment {
         let (row, down) = distribution.rows.sample(square.y);
         let (column, across) = distribution.columns[row].as_ref()?.sample(square.x);
         let u = (column as f32 + across) / self.width as f32;
-        // Uniform in the cosine, so that the density is the same everywhere in the texel. Near the poles f32 could
-        // not tell cosines apart.
+        // Uniform in the cosine, so that the density is the same everywhere in the texel. Near the poles f32
+        // could not tell cosines apart.
         let border = |row: usize| (std::f64::consts::PI * row as f64 / self.height as f64).cos();
         let cosine = border(row) + (border(row + 1) - border(row)) * f64::from(down);
         let direction = self.direction_at(u, cosine);
@@ -216,7 +217,8 @@ impl Environment {
         self.texels[row * self.width + column]
     }
 
-    /// Of one texel of a row, steradians. From the product, as the difference of cosines loses digits at the poles.
+    /// Of one texel of a row, steradians. From the product, as the difference of cosines loses digits at the
+    /// poles.
     fn solid_angle(&self, row: usize) -> f32 {
         let step = PI / self.height as f32;
         let difference = 2.0 * ((row as f32 + 0.5) * step).sin() * (0.5 * step).sin();
@@ -245,8 +247,8 @@ impl Environment {
         Some(Distribution { rows, columns: columns.into_iter().map(|(_, columns)| columns).collect() })
     }
 
-    /// Mean of the interpolated radiance over a texel and its colours: across the texel, its own tent has the integral
-    /// 3/4 and each neighbour's 1/8.
+    /// Mean of the interpolated radiance over a texel and its colours: across the texel, its own tent has the
+    /// integral 3/4 and each neighbour's 1/8.
     fn interpolated_mean(&self, column: usize, row: usize) -> f64 {
         let (column, row) = (column as i64, row as i64);
         let tent = |a: Vec3, b: Vec3, c: Vec3| 0.125 * a + 0.75 * b + 0.125 * c;

@@ -14,7 +14,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, SceneError> {
     bytes(path).map_err(|source| SceneError::Io { path: path.to_owned(), source })
 }
 
-/// The bytes of a plain file. Devices and pipes, which may never end, are refused, as is what memory does not hold.
+/// The bytes of a plain file. Devices and pipes, which may never end, are refused, as is what memory does not
+/// hold.
 pub(super) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = fs::metadata(path)?;
     if !metadata.is_file() {
@@ -33,9 +34,9 @@ pub(super) fn text(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes(path)?).map_err(no_text)
 }
 
-/// Where a file is that a scene in `folder`, or what describes a medium or what glows, names in a file of its own that lies in the
-/// folder `below`. Names do not lead out of that folder, since a scene may come from anybody; what shall be read from elsewhere, a
-/// link in the folder may stand for.
+/// Where a file is that a scene in `folder`, or what describes a medium or what glows, names in a file of its
+/// own that lies in the folder `below`. Names do not lead out of that folder, since a scene may come from
+/// anybody; what shall be read from elsewhere, a link in the folder may stand for.
 pub(super) fn beside(folder: &Path, below: &Path, name: impl AsRef<Path>) -> Result<PathBuf, String> {
     let name = name.as_ref();
     let mut inside = below.to_owned();

@@ -1,11 +1,12 @@
-//! The last step of loading a mesh: what a file may get wrong without being damaged is put right, the rest refused.
+//! The last step of loading a mesh: what a file may get wrong without being damaged is put right, the rest
+//! refused.
 
 use super::Mesh;
 use glam::Vec3;
 
 /// A mesh whose vertices are finite and whose normals have unit length; the error says what is wrong with it.
-/// Normals without a direction are replaced by the mean of the triangles around the vertex. Tangents are dropped
-/// where one of them has no direction, so that they are derived from the texture coordinates instead.
+/// Normals without a direction are replaced by the mean of the triangles around the vertex. Tangents are
+/// dropped where one of them has no direction, so that they are derived from the texture coordinates instead.
 pub(super) fn finish(mut mesh: Mesh) -> Result<Mesh, String> {
     if let Some(vertex) = mesh.positions.iter().position(|position| !position.is_finite()) {
         return Err(format!("mesh `{}`: vertex {vertex} is not finite", mesh.name));

@@ -17,13 +17,16 @@ pub const FOR_LONG: f32 = 1e12;
 /// Parts of the past that are looked at to tell what of it matters.
 const FINE: usize = 4096;
 
-/// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an extent.
+/// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an
+/// extent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glow {
-    /// Paints, each with the name of the material that has it: [its own](Scene::material_names), or that of several, which means all
-    /// of these that are not named themselves; the one without a name is of all others.
+    /// Paints, each with the name of the material that has it: [its own](Scene::material_names), or that of
+    /// several, which means all of these that are not named themselves; the one without a name is of all
+    /// others.
     pub surfaces: Vec<(Option<String>, Paint)>,
-    /// The paint of what fills the space between surfaces: one that nothing is seen through looks like a surface of it.
+    /// The paint of what fills the space between surfaces: one that nothing is seen through looks like a
+    /// surface of it.
     pub medium: Option<Paint>,
     /// When lamps shine; the last is of all lamps that no other names.
     pub schedules: Vec<Schedule>,
@@ -67,7 +70,8 @@ impl Piece {
     }
 }
 
-/// All surfaces glow: dark before, lamps have shone for the second before time 0. Longer light would fill all states alike.
+/// All surfaces glow: dark before, lamps have shone for the second before time 0. Longer light would fill all
+/// states alike.
 static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
     let presets = MaterialFile::presets();
     let material = presets.named(USUAL).expect("a preset");
@@ -81,8 +85,8 @@ static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
 });
 
 impl Glow {
-    /// That of a scene; where it says nothing, all surfaces are of the preset `blue`, lamps shone for a second, and it is seen
-    /// as they go out.
+    /// That of a scene; where it says nothing, all surfaces are of the preset `blue`, lamps shone for a
+    /// second, and it is seen as they go out.
     pub fn of(scene: &Scene) -> &Self {
         scene.glow.as_deref().unwrap_or(&AFTERGLOW)
     }
@@ -144,7 +148,8 @@ impl Glow {
         first.into_iter().chain(self.between(self.begin(), moment)).collect()
     }
 
-    /// The time from one moment to another, cut where a lamp is switched; nothing where the other is not later.
+    /// The time from one moment to another, cut where a lamp is switched; nothing where the other is not
+    /// later.
     pub fn between(&self, from: f32, to: f32) -> Vec<Piece> {
         let mut cuts: Vec<f32> = self.switches().filter(|at| (from..to).contains(at)).collect();
         cuts.extend((from < to).then_some([from, to]).into_iter().flatten());
@@ -160,9 +165,9 @@ impl Glow {
         cuts.windows(2).map(piece).collect()
     }
 
-    /// `count` stretches of the past that matter alike at a moment, for what moves: from when on each is, and a moment in its
-    /// middle, seconds. What matters is time in which a lamp shines, by what is left of its light; where lamps had shone for long, the
-    /// beginning is the first. None where none shone.
+    /// `count` stretches of the past that matter alike at a moment, for what moves: from when on each is, and
+    /// a moment in its middle, seconds. What matters is time in which a lamp shines, by what is left of its
+    /// light; where lamps had shone for long, the beginning is the first. None where none shone.
     pub fn stretches(&self, moment: f32, count: usize) -> Vec<[f32; 2]> {
         let begin = self.begin();
         let step = (moment - begin) / FINE as f32;

@@ -30,7 +30,8 @@ pub enum Light {
         cos_inner: f32,
         /// Cosine of the half angle outside which there is none; below `cos_inner`.
         cos_outer: f32,
-        /// A picture that the cone projects: multiplies the intensity, its inscribed circle is the outer cone.
+        /// A picture that the cone projects: multiplies the intensity, its inscribed circle is the outer
+        /// cone.
         slide: Option<TextureId>,
     },
     /// Infinitely far away.
@@ -39,8 +40,8 @@ pub enum Light {
         direction: Vec3,
         /// Irradiance on a surface that faces it, W/m^2, RGB.
         irradiance: Vec3,
-        /// A picture that multiplies the irradiance across the light's direction, like clouds, with the metres after
-        /// which it repeats.
+        /// A picture that multiplies the irradiance across the light's direction, like clouds, with the
+        /// metres after which it repeats.
         pattern: Option<(TextureId, f32)>,
     },
 }

@@ -42,12 +42,12 @@ impl Scene {
         (self.environment, self.medium, self.glow) = (environment, medium, glow);
     }
 
-    /// Whether a scene of these triangles can look like that: each mesh has a material, each material and light its
-    /// textures, and lights and medium are such.
+    /// Whether a scene of these triangles can look like that: each mesh has a material, each material and
+    /// light its textures, and lights and medium are such.
     ///
     /// # Errors
-    /// Those of [`Scene::check_lights`] and [`Medium::check`], and if a mesh's material, a material's texture or its set
-    /// of coordinates is missing; each names the first that is wrong.
+    /// Those of [`Scene::check_lights`] and [`Medium::check`], and if a mesh's material, a material's texture
+    /// or its set of coordinates is missing; each names the first that is wrong.
     pub fn check_look(&self) -> Result<(), SceneError> {
         let invalid = |what: String| Err(SceneError::invalid(self.name.as_ref(), what));
         let count = self.materials.len();

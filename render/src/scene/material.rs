@@ -33,15 +33,15 @@ pub enum Gloss {
     /// Microfacets with the GGX distribution, glTF's model: what path tracing uses.
     #[default]
     Microfacets,
-    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1). It adds to the diffuse colour,
-    /// which therefore takes no more than the specular colour leaves.
+    /// The energy-normalised Phong lobe, the model of the thesis' attributes (7.3.1). It adds to the diffuse
+    /// colour, which therefore takes no more than the specular colour leaves.
     Phong,
     /// Nothing is reflected specularly: Lambert's law alone.
     None,
 }
 
-/// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen and stop
-/// light from both sides, whatever a file says of culling.
+/// glTF's metallic-roughness material. Colours are linear; a texture multiplies its factor. Surfaces are seen
+/// and stop light from both sides, whatever a file says of culling.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// What the file calls it.
@@ -60,8 +60,8 @@ pub struct Material {
     pub normal_texture: Option<(TextureSlot, f32)>,
     /// How what is reflected specularly spreads.
     pub gloss: Gloss,
-    /// Specular colour of [`Gloss::Phong`], beside a diffuse one that is the base colour; without it, both come from
-    /// base colour and metalness, as those of microfacets do.
+    /// Specular colour of [`Gloss::Phong`], beside a diffuse one that is the base colour; without it, both
+    /// come from base colour and metalness, as those of microfacets do.
     pub specular: Option<Vec3>,
     /// Mean free path below the surface for each colour, metres; zero where light does not enter.
     pub mean_free_path: Vec3,
@@ -99,8 +99,8 @@ impl Default for Material {
 pub struct Surface {
     /// `Rdiff`, the diffuse albedo.
     pub diffuse: Vec3,
-    /// `Rspec`, specular colour at normal incidence: the material's own; else 4 % for a dielectric, the base colour for a
-    /// metal, zero where nothing is reflected specularly.
+    /// `Rspec`, specular colour at normal incidence: the material's own; else 4 % for a dielectric, the base
+    /// colour for a metal, zero where nothing is reflected specularly.
     pub specular: Vec3,
     /// Perceptual roughness.
     pub roughness: f32,

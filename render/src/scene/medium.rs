@@ -1,8 +1,8 @@
 //! Participating media: what absorbs and scatters light between surfaces.
 //!
-//! Coefficients are RGB and density is one number (Pharr, Jakob and Humphreys, "Physically Based Rendering", 11). A
-//! medium without a box reaches to infinity and swallows all light of the environment and of directional lights: that
-//! is its defined result, a box lets them in.
+//! Coefficients are RGB and density is one number (Pharr, Jakob and Humphreys, "Physically Based Rendering",
+//! 11). A medium without a box reaches to infinity and swallows all light of the environment and of
+//! directional lights: that is its defined result, a box lets them in.
 
 mod array;
 mod file;
@@ -145,8 +145,8 @@ impl Medium {
     /// Whether light can be traced through it.
     ///
     /// # Errors
-    /// If a coefficient is negative, not finite or above 1e6 /m; the anisotropy is not within +-0.99; the box has no
-    /// volume; or tracking would expect more than 1e5 collisions across a grid.
+    /// If a coefficient is negative, not finite or above 1e6 /m; the anisotropy is not within +-0.99; the box
+    /// has no volume; or tracking would expect more than 1e5 collisions across a grid.
     pub fn check(&self) -> Result<(), MediumError> {
         for (which, value) in [("absorption", self.absorption), ("scattering", self.scattering)] {
             if !value.to_array().iter().all(|value| (0.0..=LARGEST_COEFFICIENT).contains(value)) {
@@ -179,8 +179,8 @@ impl Medium {
         Self { absorption, scattering, ..self.clone() }
     }
 
-    /// Where a ray is in the medium, within `reach` along a unit direction, and no farther than anything is seen of a medium
-    /// that is the same throughout; empty where it misses it.
+    /// Where a ray is in the medium, within `reach` along a unit direction, and no farther than anything is
+    /// seen of a medium that is the same throughout; empty where it misses it.
     pub fn seen_span(&self, origin: Vec3, direction: Vec3, reach: f32) -> [f32; 2] {
         let [enters, leaves] = self.density.span(origin, direction, reach).unwrap_or([0.0; 2]);
         match self.density {
@@ -192,8 +192,8 @@ impl Medium {
         }
     }
 
-    /// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else by so many
-    /// points.
+    /// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else
+    /// by so many points.
     pub fn passed_density(&self, origin: Vec3, direction: Vec3, reach: f32, points: u32) -> f32 {
         let [enters, leaves] = self.seen_span(origin, direction, reach);
         let length = (leaves - enters).max(0.0);

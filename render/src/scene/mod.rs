@@ -144,8 +144,8 @@ impl SceneError {
 }
 
 impl Scene {
-    /// Reads a glTF 2.0 (.gltf, .glb) or Wavefront (.obj) file, with animations, skins and morph targets at `time`
-    /// seconds.
+    /// Reads a glTF 2.0 (.gltf, .glb) or Wavefront (.obj) file, with animations, skins and morph targets at
+    /// `time` seconds.
     ///
     /// # Errors
     /// If a file is missing, damaged or unsupported, or holds no triangle with an area.
@@ -153,9 +153,9 @@ impl Scene {
         Self::load_moving(path, time, 0.0)
     }
 
-    /// [`Scene::load`] with what moves while the shutter is open: `shutter` seconds, around `time`. Vertices move on
-    /// straight lines between where they are at the beginning and at the end, seen from where they are in the middle;
-    /// meshes that stay are those of [`Scene::load`].
+    /// [`Scene::load`] with what moves while the shutter is open: `shutter` seconds, around `time`. Vertices
+    /// move on straight lines between where they are at the beginning and at the end, seen from where they
+    /// are in the middle; meshes that stay are those of [`Scene::load`].
     ///
     /// # Errors
     /// Those of [`Scene::load`], and if the shutter is not a time.
@@ -175,7 +175,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// When the animation that [`Scene::load`] poses a file by begins and ends, seconds; `None` where nothing is animated.
+    /// When the animation that [`Scene::load`] poses a file by begins and ends, seconds; `None` where nothing
+    /// is animated.
     ///
     /// # Errors
     /// If a file is missing or damaged.
@@ -236,7 +237,8 @@ impl Scene {
         self.medium.is_some() && self.glow.as_deref().is_some_and(|glow| glow.medium.is_some())
     }
 
-    /// Of which lamps light is there at a moment, seconds: all, but for those that a glowing scene has switched off.
+    /// Of which lamps light is there at a moment, seconds: all, but for those that a glowing scene has
+    /// switched off.
     pub fn shining(&self, moment: f32) -> Vec<bool> {
         let shines = |light| self.glow.as_deref().is_none_or(|glow| glow.shines_at(light, moment));
         (0..self.lights.len()).map(shines).collect()

@@ -4,8 +4,8 @@ use super::{Material, Scene};
 use std::collections::HashMap;
 
 impl Scene {
-    /// What files call each material: its name, or where several have that name `name#1`, `name#2` and so on, in the scene's order;
-    /// a number that makes the name of another material is left out.
+    /// What files call each material: its name, or where several have that name `name#1`, `name#2` and so on,
+    /// in the scene's order; a number that makes the name of another material is left out.
     pub fn material_names(&self) -> Vec<String> {
         let mut counts = HashMap::<&str, usize>::new();
         self.materials.iter().for_each(|material| *counts.entry(&material.name).or_default() += 1);

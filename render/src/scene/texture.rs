@@ -116,8 +116,8 @@ impl Texture {
         self.filter
     }
 
-    /// Half as large: means of two by two texels, of light where they are sRGB; the last column and row of odd sizes count
-    /// twice.
+    /// Half as large: means of two by two texels, of light where they are sRGB; the last column and row of
+    /// odd sizes count twice.
     #[must_use]
     pub fn halved(&self) -> Self {
         let [width, height] = [self.width, self.height].map(|edge| edge.div_ceil(2));

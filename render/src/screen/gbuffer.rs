@@ -5,7 +5,8 @@ use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use thiserror::Error;
 
-/// Attributes of every pixel of a view, each `[attribute.width(), height, width]` f32 in a storage buffer of its own.
+/// Attributes of every pixel of a view, each `[attribute.width(), height, width]` f32 in a storage buffer of
+/// its own.
 #[derive(Clone, Debug)]
 pub struct GpuGBuffer {
     height: usize,
@@ -70,7 +71,8 @@ impl GpuGBuffer {
         Ok(Self { height: gbuffer.height(), width: gbuffer.width(), attributes })
     }
 
-    /// The same with another buffer for an attribute, held before or not, `[attribute.width(), height, width]`.
+    /// The same with another buffer for an attribute, held before or not,
+    /// `[attribute.width(), height, width]`.
     #[must_use]
     pub fn with(&self, attribute: Attribute, buffer: wgpu::Buffer) -> Self {
         let others = self.attributes.iter().filter(|(other, _)| *other != attribute).cloned();
@@ -95,7 +97,8 @@ impl GpuGBuffer {
     /// The buffer of an attribute.
     ///
     /// # Panics
-    /// If it is not held: what a method reads is in [`ScreenMethod::attributes`](super::ScreenMethod::attributes).
+    /// If it is not held: what a method reads is in
+    /// [`ScreenMethod::attributes`](super::ScreenMethod::attributes).
     pub fn buffer(&self, attribute: Attribute) -> &wgpu::Buffer {
         let held = self.attributes.iter().find(|(other, _)| *other == attribute);
         &held.expect("an attribute that the g-buffer was made with").1

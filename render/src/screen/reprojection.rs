@@ -1,8 +1,9 @@
-//! Temporal reprojection, for the images of any method: each pixel keeps most of what the frame before made of the same
-//! surface (Nehab et al. 2007, "Accelerating Real-Time Shading with Reverse Reprojection Caching"), as far as that lies
-//! within what the pixels around it show now (Salvi 2016, "An Excursion in Temporal Supersampling"). Noise that changes
-//! from frame to frame averages out, and what flickers becomes calm (thesis 7.4, Animations). What lags behind is what
-//! moves over a surface without it: shadows, indirect light.
+//! Temporal reprojection, for the images of any method: each pixel keeps most of what the frame before made
+//! of the same surface (Nehab et al. 2007, "Accelerating Real-Time Shading with Reverse Reprojection
+//! Caching"), as far as that lies within what the pixels around it show now (Salvi 2016, "An Excursion in
+//! Temporal Supersampling"). Noise that changes from frame to frame averages out, and what flickers becomes
+//! calm (thesis 7.4, Animations). What lags behind is what moves over a surface without it: shadows, indirect
+//! light.
 
 pub mod reference;
 #[cfg(test)]
@@ -59,8 +60,8 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// For the images `[channels, height, width]` that a method makes in `current`, of frames whose movement since the one
-    /// before is in `since`, as [`Two::since_before`](reference::Two) has it.
+    /// For the images `[channels, height, width]` that a method makes in `current`, of frames whose movement
+    /// since the one before is in `since`, as [`Two::since_before`](reference::Two) has it.
     ///
     /// # Errors
     /// If the device refuses or has no room.
@@ -99,7 +100,8 @@ impl Reprojection {
         self.first = true;
     }
 
-    /// Records the passes of a frame: remembers what the last call made, and mixes it into the image of this frame.
+    /// Records the passes of a frame: remembers what the last call made, and mixes it into the image of this
+    /// frame.
     pub fn encode(
         &mut self,
         queue: &wgpu::Queue,

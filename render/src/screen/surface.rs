@@ -1,4 +1,5 @@
-//! What the plain versions of screen methods read of the surface seen at each pixel: `shared/surface.wgsl` in Rust.
+//! What the plain versions of screen methods read of the surface seen at each pixel: `shared/surface.wgsl` in
+//! Rust.
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
 use glam::{IVec2, Vec3};
@@ -70,7 +71,8 @@ impl Surface {
         self.valid_at(at) && kind(at) == kind(other)
     }
 
-    /// An image of `value`, `[channels, height, width]`, where a surface is seen and of `background` elsewhere.
+    /// An image of `value`, `[channels, height, width]`, where a surface is seen and of `background`
+    /// elsewhere.
     pub fn image<const CHANNELS: usize>(
         &self,
         background: f32,

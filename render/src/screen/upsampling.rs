@@ -1,5 +1,6 @@
-//! Images of fewer pixels brought to full size, for what is too dear for every pixel (Kopf et al. 2007, "Joint Bilateral
-//! Upsampling"): each pixel takes the mean of the four around it in the smaller image, of those that show the same surface.
+//! Images of fewer pixels brought to full size, for what is too dear for every pixel (Kopf et al. 2007,
+//! "Joint Bilateral Upsampling"): each pixel takes the mean of the four around it in the smaller image, of
+//! those that show the same surface.
 
 use super::Surface;
 use super::{GpuGBuffer, MethodStep};
@@ -19,8 +20,8 @@ pub fn settings(size: [usize; 2], small: [usize; 2], effect: Effect) -> uniforms
     uniforms::Upsampling { width, height, small_width, small_height, background }
 }
 
-/// The pass that brings an effect's image `small`, `[channels, height, width]` of its own g-buffer, into `image`, which is of
-/// another.
+/// The pass that brings an effect's image `small`, `[channels, height, width]` of its own g-buffer, into
+/// `image`, which is of another.
 ///
 /// # Errors
 /// If the device refuses it.

@@ -1,5 +1,5 @@
-//! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree over
-//! them.
+//! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree
+//! over them.
 
 use super::{HEIGHT, LEAF, Lit, MOST, Surfel, vertices};
 use crate::raster::patches::Patch;

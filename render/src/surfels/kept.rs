@@ -1,9 +1,9 @@
-//! Light that surfaces kept, as surfels send it: each patch has states of its own, which one pass moves on every frame under the
-//! lamps' shadow maps, and surfels give back what their patches keep (thesis 8.5).
+//! Light that surfaces kept, as surfels send it: each patch has states of its own, which one pass moves on
+//! every frame under the lamps' shadow maps, and surfels give back what their patches keep (thesis 8.5).
 //!
-//! What surfels send is packed, and packed radiance has few bits below 2^-15 W/m²/sr and none below 2^-24. So it is in a unit that the
-//! scene's paints tell: full states give back at most 2^15 of it. Nine bits are left after a decay to 2^-30 of that. The image is
-//! brought to W/m²/sr at its end.
+//! What surfels send is packed, and packed radiance has few bits below 2^-15 W/m²/sr and none below 2^-24. So
+//! it is in a unit that the scene's paints tell: full states give back at most 2^15 of it. Nine bits are left
+//! after a decay to 2^-30 of that. The image is brought to W/m²/sr at its end.
 
 use super::cloud::{Cloud, SURFEL_GROUPS};
 use crate::raster::World;
@@ -18,7 +18,8 @@ use deepshade_shaders::wgsl::Shader;
 /// The power of two that what surfels give back has at most.
 const FULL: f32 = 15.0;
 
-/// The passes that move states on through all of the past that a frame shows, and write what surfels send, `[surfels, 2]` u32.
+/// The passes that move states on through all of the past that a frame shows, and write what surfels send,
+/// `[surfels, 2]` u32.
 ///
 /// # Errors
 /// If the device refuses, or has no room.
@@ -63,7 +64,8 @@ pub fn in_watts(device: &Device, world: &World, image: &wgpu::Buffer) -> Result<
     MethodStep::bind(device, &pass, groups(values), &[], &[image])
 }
 
-/// The powers of two of what surfels give back that make a W/m²/sr, and 128 more, by the brightest that a surface can be.
+/// The powers of two of what surfels give back that make a W/m²/sr, and 128 more, by the brightest that a
+/// surface can be.
 pub fn unit(glow: &Glow) -> (&'static str, u32) {
     let full = glow.surfaces.iter().map(|(_, paint)| paint.emission(&[1.0; MOST_STATES]).max_element());
     let brightest = full.fold(0.0, f32::max);

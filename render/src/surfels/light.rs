@@ -1,5 +1,6 @@
-//! The pass that lights surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect
-//! Illumination"). What they send is in a buffer of its own, which effects without light do not have.
+//! The pass that lights surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3,
+//! "One-bounce Indirect Illumination"). What they send is in a buffer of its own, which effects without light
+//! do not have.
 
 use super::cloud::{Cloud, SURFEL_GROUPS};
 use super::kept;
@@ -26,8 +27,8 @@ pub enum Lit {
     Kept,
 }
 
-/// The pass, if there is one, at the end of an image of what surfels send, `[3, height, width]`: light that they kept they send in a
-/// unit of its own.
+/// The pass, if there is one, at the end of an image of what surfels send, `[3, height, width]`: light that
+/// they kept they send in a unit of its own.
 ///
 /// # Errors
 /// If the device refuses it.

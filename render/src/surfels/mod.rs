@@ -7,8 +7,8 @@
 //!
 //! - [`patches`](crate::raster::patches) are the parts of a scene's surface, cut once.
 //! - [`vertices`] moves a scene's vertices to camera space.
-//! - [`cloud`] lays [surfels](Surfel) out on them, each frame, on the GPU, and puts a tree over them; [`light`] lights
-//!   them, or lets them give back light that they kept.
+//! - [`cloud`] lays [surfels](Surfel) out on them, each frame, on the GPU, and puts a tree over them;
+//!   [`light`] lights them, or lets them give back light that they kept.
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!

@@ -101,8 +101,8 @@ impl Laid {
     }
 }
 
-/// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it,
-/// and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
+/// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising
+/// above it, and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
 pub fn roulette(share: f32, threshold: f32) -> f32 {
     let risen = 1.0 + RISE;
     let largest = 1.0 / ((risen.ln() + 1.0 / risen - 1.0) / RISE + 1.0 / risen);
@@ -115,8 +115,8 @@ pub fn roulette(share: f32, threshold: f32) -> f32 {
     share * size / (chance * mean)
 }
 
-/// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has
-/// a surfel.
+/// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same
+/// share has a surfel.
 fn threshold(index: u32) -> f32 {
     (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
 }
@@ -143,8 +143,8 @@ pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfel
     patches.par_iter().enumerate().map(amount).collect()
 }
 
-/// The disks of all patches, in their order, however many they are; no more than [`MOST`] where a frame has room for
-/// that many only.
+/// The disks of all patches, in their order, however many they are; no more than [`MOST`] where a frame has
+/// room for that many only.
 pub fn disks(
     patches: &[Patch],
     vertices: &[Vec3],

@@ -1,4 +1,5 @@
-//! A surfel in 16 bytes, since a frame may have a million of them: the same in Rust as `shared/surfel_record.wgsl`.
+//! A surfel in 16 bytes, since a frame may have a million of them: the same in Rust as
+//! `shared/surfel_record.wgsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -9,13 +10,13 @@ use glam::Vec3;
 pub struct Surfel {
     /// Where its middle is, metres.
     pub place: [f32; 3],
-    /// From the lowest bit on: its unit normal, octahedral, ten bits and ten; 1 where the surface is open; the bits of
-    /// its radius.
+    /// From the lowest bit on: its unit normal, octahedral, ten bits and ten; 1 where the surface is open;
+    /// the bits of its radius.
     disk: u32,
 }
 
-/// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-20 to 2^12 m: between them is what a
-/// camera sees of a coin and of a landscape of hundreds of kilometres; less is 0.
+/// Radii have five bits of exponent and six of mantissa, those of an f32 from 2^-20 to 2^12 m: between them
+/// is what a camera sees of a coin and of a landscape of hundreds of kilometres; less is 0.
 const LEAST_RADIUS: u32 = 107 << 23;
 const MOST_RADIUS_BITS: u32 = 2047;
 const RADIUS_AT: u32 = 21;
@@ -23,8 +24,8 @@ const OPEN: u32 = 1 << 20;
 const LARGEST_COORDINATE: f32 = 511.0;
 
 impl Surfel {
-    /// One at a place with a unit normal. Of the two nearest radii that it may have it gets one, so that over all
-    /// thresholds from 0 to 1 the mean area is right.
+    /// One at a place with a unit normal. Of the two nearest radii that it may have it gets one, so that over
+    /// all thresholds from 0 to 1 the mean area is right.
     pub fn new(place: Vec3, normal: Vec3, open: bool, radius: f32, threshold: f32) -> Self {
         let open = if open { OPEN } else { 0 };
         let radius = bits_of_radius(radius, threshold) << RADIUS_AT;
@@ -36,7 +37,8 @@ impl Surfel {
         radius_of_bits(self.disk >> RADIUS_AT)
     }
 
-    /// Unit vector (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors").
+    /// Unit vector (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit
+    /// Vectors").
     pub fn normal(&self) -> Vec3 {
         let coordinate = |shift: u32| ((self.disk << shift) as i32 >> 22) as f32 / LARGEST_COORDINATE;
         let [x, y] = [coordinate(22), coordinate(12)];

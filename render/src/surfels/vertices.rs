@@ -1,5 +1,6 @@
-//! A scene's vertices in camera space on the GPU, 12 bytes each where those that are drawn have 64: what all passes
-//! over a scene's surface read, and bind as a whole where those that are drawn are too many for a binding.
+//! A scene's vertices in camera space on the GPU, 12 bytes each where those that are drawn have 64: what all
+//! passes over a scene's surface read, and bind as a whole where those that are drawn are too many for a
+//! binding.
 
 use crate::raster::geometry::POSED;
 use crate::raster::groups;

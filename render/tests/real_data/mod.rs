@@ -1,6 +1,6 @@
 //! Where the real scenes and images are that some tests read: the folder that the environment variable
-//! `DEEPSHADE_DATA` names, else `../shared/data/open` beside the workspace. The tests of this crate and xtask, which
-//! says whether the data were there, include this file by its path.
+//! `DEEPSHADE_DATA` names, else `../shared/data/open` beside the workspace. The tests of this crate and
+//! xtask, which says whether the data were there, include this file by its path.
 
 use std::path::{Path, PathBuf};
 

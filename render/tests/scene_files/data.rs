@@ -22,8 +22,8 @@ pub fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// Triangles that the files show, before those without an area are dropped; instances count each. From the data's
-/// own table, made by other means.
+/// Triangles that the files show, before those without an area are dropped; instances count each. From the
+/// data's own table, made by other means.
 const TRIANGLES: [(&str, usize); 30] = [
     ("scenes/sponza/sponza.gltf", 262_267),
     ("scenes/breakfast_room/breakfast_room.gltf", 269_538),

@@ -3,8 +3,8 @@
 use crate::build::{Builder, base64, load, load_bytes, png};
 use proptest::{collection::vec, prelude::*};
 
-/// JSON and numbers of everything that a file can have: nodes, a skin, morph targets, an animation, a texture, sparse
-/// accessors, instances, lights and cameras.
+/// JSON and numbers of everything that a file can have: nodes, a skin, morph targets, an animation, a
+/// texture, sparse accessors, instances, lights and cameras.
 fn everything() -> (Builder, String) {
     let mut builder = Builder::default();
     let positions = builder.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0]);

@@ -1,5 +1,5 @@
-//! Light that surfaces keep goes with them: a plate that rises, walks aside and bends, in frames on the GPU, against the rate
-//! equation at its texels in the file at each moment.
+//! Light that surfaces keep goes with them: a plate that rises, walks aside and bends, in frames on the GPU,
+//! against the rate equation at its texels in the file at each moment.
 
 use crate::build::{Builder, write};
 use deepshade_glow::paint::{Lit, MOST_STATES, Paint, PaintState};
@@ -202,7 +202,8 @@ fn growing() -> String {
     ))
 }
 
-/// What has no area for a while keeps its triangles: it has got no light then, and the floor below was not in its shadow.
+/// What has no area for a while keeps its triangles: it has got no light then, and the floor below was not in
+/// its shadow.
 #[test]
 fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -241,8 +242,8 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     let still = method.shade(&seen, method::Repeats::ONCE).expect("an image").image;
     let shot = Shot::new(&scene, &camera, [SIZE, SIZE], 1.0);
     let truth = path::render(Effect::Phosphor, &shot, Sampling::one(1, 1)).mean;
-    // Each surface by itself, since the plate is a fiftieth of the image. What of a surface differs by more than a part of the brightest
-    // is its rim, or the rim of the plate's shadow.
+    // Each surface by itself, since the plate is a fiftieth of the image. What of a surface differs by more
+    // than a part of the brightest is its rim, or the rim of the plate's shadow.
     let brightest = truth.data().iter().copied().fold(0.0, f32::max);
     let object = gbuffer.select(&[Attribute::ObjectId, Attribute::Valid]).expect("objects");
     let far = |image: &[f32], mesh: f32, part: f32| {
@@ -254,7 +255,8 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     };
     let [floor, plate] = [0.0, 1.0];
     let all = |image: &[f32], part: f32| [far(image, floor, part), far(image, plate, part)];
-    // Of four of 48 poses one stands for all: some twentieth of a second of light falls on the wrong side of the change, at most.
+    // Of four of 48 poses one stands for all: some twentieth of a second of light falls on the wrong side of
+    // the change, at most.
     let [of_floor, of_plate] = all(still.data(), 6.0);
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
 
@@ -262,7 +264,8 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     let attributes = method.attributes().to_vec();
     let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let mut frame = Frame::new(&gpu, &glowing, &settings).expect("a frame");
-    // Texels of the plate are for its size later: its diagonal of 1.41 m over a 120th of that of the scene, 5.7 m.
+    // Texels of the plate are for its size later: its diagonal of 1.41 m over a 120th of that of the scene,
+    // 5.7 m.
     let tiles = Tiles::new(&glowing, &frame.world().geometry.draws, TEXELS.texels);
     let of_plate = tiles.tiles.iter().zip(&tiles.origins).filter(|(_, [mesh, _])| *mesh == 1);
     let divisions: Vec<u32> = of_plate.map(|(tile, _)| tile.divisions).collect();
@@ -284,8 +287,8 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
 }
 
-/// While time stands still, a lamp that is dimmed has been as dim for all of the past, as truth has it; one that is given as it
-/// was before changes nothing of what is known of the past.
+/// While time stands still, a lamp that is dimmed has been as dim for all of the past, as truth has it; one
+/// that is given as it was before changes nothing of what is known of the past.
 #[test]
 fn kept_light_is_that_of_lamps_as_they_are_given() {
     let folder = tempfile::tempdir().expect("a temporary folder");

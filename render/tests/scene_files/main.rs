@@ -1,5 +1,5 @@
-//! Scene files: real ones load with the triangles that are in them, small ones give what can be worked out by hand, and
-//! damaged ones give errors that name the damage.
+//! Scene files: real ones load with the triangles that are in them, small ones give what can be worked out by
+//! hand, and damaged ones give errors that name the damage.
 
 mod build;
 mod damaged;

@@ -1,5 +1,5 @@
-//! Broken files of other projects, each with what its table says is wrong with it: Khronos' validator's own cases, and images
-//! that once broke decoders.
+//! Broken files of other projects, each with what its table says is wrong with it: Khronos' validator's own
+//! cases, and images that once broke decoders.
 
 use crate::{
     build::{triangle, write},
@@ -16,9 +16,10 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Said of a file that shows nothing, where nothing else is wrong with it here.
 const NOTHING_SHOWN: &str = "has no triangle with an area";
 
-/// Each file, the validator's code for what we say is wrong with it, and our words for that. Without a code we say something
-/// else than the validator: what is wrong is in extensions that are not read, or in bytes that the files lack. The latter faults
-/// have tests of their own beside this one: numbers that are not finite, times that do not increase, joints that are not there.
+/// Each file, the validator's code for what we say is wrong with it, and our words for that. Without a code
+/// we say something else than the validator: what is wrong is in extensions that are not read, or in bytes
+/// that the files lack. The latter faults have tests of their own beside this one: numbers that are not
+/// finite, times that do not increase, joints that are not there.
 const SCENES: [(&str, &str, &str); 40] = [
     ("EXT_texture_webp__texture__invalid_image_mime_type.gltf", "", NOTHING_SHOWN),
     ("EXT_texture_webp__texture__undeclared_extension.gltf", "", NOTHING_SHOWN),

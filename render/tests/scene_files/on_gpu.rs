@@ -10,8 +10,9 @@ use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Mat4, Vec3};
 use std::path::Path;
 
-/// The largest distances, in parts of the scene's diagonal, of vertices posed on the GPU and on the CPU from those of the file
-/// at the same time, of their displacements while the shutter is open and ways since the time before, and of unit normals and tangents.
+/// The largest distances, in parts of the scene's diagonal, of vertices posed on the GPU and on the CPU from
+/// those of the file at the same time, of their displacements while the shutter is open and ways since the
+/// time before, and of unit normals and tangents.
 fn distances(gpu: &Gpu, path: &Path, times: &[f32], place: Mat4) -> [f32; 5] {
     distances_loaded_at(gpu, path, times[0], times, place)
 }

@@ -12,8 +12,8 @@ use std::path::Path;
 
 const SIZE: usize = 64;
 
-/// A floor, a plate that rises from just above it to 4 m, and a light whose node turns from straight down to aside and goes
-/// from one end of the floor to the other.
+/// A floor, a plate that rises from just above it to 4 m, and a light whose node turns from straight down to
+/// aside and goes from one end of the floor to the other.
 fn stage(light: &str) -> String {
     let mut builder = Builder::default();
     let square = |half: f32| [-half, 0.0, half, half, 0.0, half, half, 0.0, -half, -half, 0.0, -half];

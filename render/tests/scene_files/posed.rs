@@ -54,7 +54,8 @@ fn a_cubic_spline_goes_through_its_keys_with_its_tangents() {
     let at = |time| {
         animated("translation", "CUBICSPLINE", &[0.0, 2.0], "VEC3", &values, time).meshes[0].positions[0]
     };
-    // At a quarter the Hermite weights are 27/32 and 5/32 for the keys, 9/64 and -3/64 for tangents times 2 seconds.
+    // At a quarter the Hermite weights are 27/32 and 5/32 for the keys, 9/64 and -3/64 for tangents times 2
+    // seconds.
     near(at(0.5), [0.75, 1.0, -0.75]);
     near(at(0.0), [0.0, 1.0, 0.0]);
     near(at(2.0), [3.0, 1.0, 0.0]);
@@ -114,8 +115,9 @@ fn morph_targets_add_up_by_their_weights_at_the_time() {
     near(at(9.0).normals[0], [FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2]);
 }
 
-/// A strip of three vertices above each other and one beside the second. Joint 0 stays at the origin, joint 1 stands at
-/// (0, 1, 0) and has turned by 90 degrees about z. The mesh's node is far away, which must not matter.
+/// A strip of three vertices above each other and one beside the second. Joint 0 stays at the origin, joint 1
+/// stands at (0, 1, 0) and has turned by 90 degrees about z. The mesh's node is far away, which must not
+/// matter.
 fn bent() -> Scene {
     let mut builder = Builder::default();
     let positions = builder

@@ -21,8 +21,8 @@ const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attr
 const HEIGHT: usize = 48;
 const WIDTH: usize = 64;
 
-/// A strip, one metre wide and two high, whose upper half bends by a right angle within a second while all of it
-/// swells, above a floor that stays.
+/// A strip, one metre wide and two high, whose upper half bends by a right angle within a second while all of
+/// it swells, above a floor that stays.
 fn bending() -> String {
     let (columns, rows) = (12u16, 24u16);
     let vertices: Vec<[f32; 2]> = (0..=rows)
@@ -139,8 +139,8 @@ fn they_move_with_their_patches_and_none_pops_up() {
     let [before, after, later] = [0.5, 0.5 + 1.0 / 60.0, 1.0].map(|time| surfels_at(&gpu, &path, time));
     let [before, after, later] = [&before, &after, &later].map(|surfels| by_patch(surfels));
     let largest = before.values().map(|surfel| surfel.radius()).fold(0.0, f32::max);
-    // The fastest point is a metre and a half from where it bends, at a right angle a second, and swells by 0.4 m a
-    // second.
+    // The fastest point is a metre and a half from where it bends, at a right angle a second, and swells by
+    // 0.4 m a second.
     let fastest = (1.5 * 0.5 * PI + 0.4) / 60.0;
     let mut appeared = 0;
     for (patch, surfel) in &after {

@@ -52,7 +52,8 @@ pub fn empty<T: Pod>(device: &wgpu::Device, label: &str, count: usize) -> Result
     )
 }
 
-/// Overwrites a buffer that [`storage`] or [`empty`] made from its beginning on, before any work that is submitted later.
+/// Overwrites a buffer that [`storage`] or [`empty`] made from its beginning on, before any work that is
+/// submitted later.
 ///
 /// # Errors
 /// If the buffer is smaller, or the device is lost.
@@ -130,8 +131,8 @@ async fn read_part_async<T: Pod>(
     Ok(bytemuck::pod_collect_to_vec(&mapped))
 }
 
-/// A buffer `deepshade.<label>` that holds `bytes` and may be used as `usage` says. Where it is bound, each part that is,
-/// not the whole, has to meet the device's limit of a binding.
+/// A buffer `deepshade.<label>` that holds `bytes` and may be used as `usage` says. Where it is bound, each
+/// part that is, not the whole, has to meet the device's limit of a binding.
 ///
 /// # Errors
 /// If the device has no room for it.
@@ -160,8 +161,8 @@ fn filled_within(
     Ok(buffer)
 }
 
-/// A storage buffer `deepshade.<label>` of that many bytes, all zero, of which parts are bound: each, not the whole, has
-/// to meet the device's limit of a binding.
+/// A storage buffer `deepshade.<label>` of that many bytes, all zero, of which parts are bound: each, not the
+/// whole, has to meet the device's limit of a binding.
 ///
 /// # Errors
 /// If the device has no room for it.

@@ -41,8 +41,8 @@ pub fn ceilings(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Ceilings, 
     Ok(Ceilings { copy: copy(device, queue)?, multiply_add: multiply_add(device, queue)? })
 }
 
-/// Keeps a GPU busy for so long: one that has idled runs at a fraction of its clock, and gets up to it in some tenths of
-/// a second (an H100 took 0.99 ms for a network that it runs in 0.23 ms when it is awake).
+/// Keeps a GPU busy for so long: one that has idled runs at a fraction of its clock, and gets up to it in
+/// some tenths of a second (an H100 took 0.99 ms for a network that it runs in 0.23 ms when it is awake).
 ///
 /// # Errors
 /// If the device has no room for two megabytes, or is lost.

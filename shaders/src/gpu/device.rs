@@ -17,9 +17,10 @@ pub struct Gpu {
 impl Gpu {
     /// Opens the fastest adapter there is; a software one will do.
     ///
-    /// The limits are those that WebGPU guarantees, but for memory, of which the device may use as much as the adapter
-    /// offers: of a buffer, of a binding, and of what a workgroup shares. The only optional features are timestamps ([`super::time`]), half
-    /// floats and pipeline caches ([`super::PipelineCache`]), each requested where it is offered.
+    /// The limits are those that WebGPU guarantees, but for memory, of which the device may use as much as
+    /// the adapter offers: of a buffer, of a binding, and of what a workgroup shares. The only optional
+    /// features are timestamps ([`super::time`]), half floats and pipeline caches ([`super::PipelineCache`]),
+    /// each requested where it is offered.
     ///
     /// # Errors
     /// If there is no adapter, or it offers less than WebGPU's limits.

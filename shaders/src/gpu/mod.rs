@@ -1,8 +1,8 @@
 //! Running compute passes on a GPU: device, buffers, passes, clock.
 //!
-//! Everything but [`Gpu::new`] takes a plain `wgpu::Device` and `wgpu::Queue`, so that a program with a device of its
-//! own can run the same passes. What wgpu would report to its uncaptured-error handler, which panics, comes back as a
-//! [`GpuError`] that names the buffer or pass.
+//! Everything but [`Gpu::new`] takes a plain `wgpu::Device` and `wgpu::Queue`, so that a program with a
+//! device of its own can run the same passes. What wgpu would report to its uncaptured-error handler, which
+//! panics, comes back as a [`GpuError`] that names the buffer or pass.
 
 mod buffer;
 mod ceilings;
@@ -110,7 +110,8 @@ fn allocate<T>(
     })
 }
 
-/// Runs `work`; whatever the device finds wrong with it is the error. What a driver's compiler refuses is internal to it.
+/// Runs `work`; whatever the device finds wrong with it is the error. What a driver's compiler refuses is
+/// internal to it.
 #[cfg(not(target_arch = "wasm32"))]
 fn caught<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, wgpu::Error> {
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);

@@ -22,7 +22,8 @@ pub struct BoundPass {
 }
 
 impl Pass {
-    /// Compiles WGSL source under the name `deepshade.<label>`. The layout of group 0 follows from the source.
+    /// Compiles WGSL source under the name `deepshade.<label>`. The layout of group 0 follows from the
+    /// source.
     ///
     /// Workgroup memory is not cleared beforehand, which costs time: a shader writes it before it reads it.
     ///
@@ -126,7 +127,8 @@ impl BoundPass {
         pass.dispatch_workgroups(x, y, z);
     }
 
-    /// As [`BoundPass::dispatch_in`], with as many workgroups as three words of a buffer say that an earlier pass has written.
+    /// As [`BoundPass::dispatch_in`], with as many workgroups as three words of a buffer say that an earlier
+    /// pass has written.
     pub fn dispatch_counted_in(&self, pass: &mut wgpu::ComputePass<'_>, counts: &wgpu::Buffer, offset: u64) {
         self.set_in(pass);
         pass.dispatch_workgroups_indirect(counts, offset);

@@ -1,6 +1,7 @@
 //! Compiled pipelines, kept in a file for the next start of the program.
 //!
-//! All unsafe code of the library crates is here: wgpu hands what the file holds to the driver, which trusts it.
+//! All unsafe code of the library crates is here: wgpu hands what the file holds to the driver, which trusts
+//! it.
 
 use super::adapter_key;
 use crate::{atomic_file, own_file};
@@ -22,11 +23,12 @@ pub struct PipelineCache {
 }
 
 impl PipelineCache {
-    /// Opens a cache with what its file holds, and says in words why a file was of no use. Where the device has no such
-    /// caches (the feature `PIPELINE_CACHE` is Vulkan's) nothing is remembered.
+    /// Opens a cache with what its file holds, and says in words why a file was of no use. Where the device
+    /// has no such caches (the feature `PIPELINE_CACHE` is Vulkan's) nothing is remembered.
     ///
-    /// The driver trusts what the file holds. So the file is to be in a folder that is the user's own, such as the user's
-    /// cache folder: one that others may have written is not used, which on Unix is checked, elsewhere left to the caller.
+    /// The driver trusts what the file holds. So the file is to be in a folder that is the user's own, such
+    /// as the user's cache folder: one that others may have written is not used, which on Unix is checked,
+    /// elsewhere left to the caller.
     pub fn open(device: &wgpu::Device, path: &Path) -> (Self, Option<String>) {
         let key = key(&device.adapter_info());
         let (data, note) = match read(path, &key) {
@@ -39,8 +41,8 @@ impl PipelineCache {
         (Self { cache, path: path.to_owned(), key }, note)
     }
 
-    /// Writes what is remembered by now into the file, unless it holds that already. Its folder is made where there is
-    /// none; nobody but the user may read or write either.
+    /// Writes what is remembered by now into the file, unless it holds that already. Its folder is made where
+    /// there is none; nobody but the user may read or write either.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -64,12 +66,12 @@ impl PipelineCache {
 fn create(device: &wgpu::Device, data: Option<&[u8]>) -> wgpu::PipelineCache {
     let descriptor =
         wgpu::PipelineCacheDescriptor { label: Some("deepshade.pipelines"), data, fallback: true };
-    // SAFETY: `data` must come from `get_data` of a cache of the same adapter. `read` accepts only files that name this
-    // adapter, its driver and this version of the program, and whose data have the checksum beside them: so they are
-    // what `save` wrote when it had them from `get_data`, unless somebody forged the file, since the checksum has no
-    // key. On Unix only this user's own programs, and root, can have written it; these are trusted, as they could run
-    // anything in this user's name. Elsewhere the caller has to choose such a folder. wgpu checks its own header, and
-    // the driver its own, once more.
+    // SAFETY: `data` must come from `get_data` of a cache of the same adapter. `read` accepts only files that
+    // name this adapter, its driver and this version of the program, and whose data have the checksum beside
+    // them: so they are what `save` wrote when it had them from `get_data`, unless somebody forged the file,
+    // since the checksum has no key. On Unix only this user's own programs, and root, can have written it;
+    // these are trusted, as they could run anything in this user's name. Elsewhere the caller has to choose
+    // such a folder. wgpu checks its own header, and the driver its own, once more.
     unsafe { device.create_pipeline_cache(&descriptor) }
 }
 

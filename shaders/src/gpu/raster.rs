@@ -1,5 +1,5 @@
-//! A raster pass: a vertex and perhaps a fragment shader over triangles, with a depth buffer in which what is near is
-//! large.
+//! A raster pass: a vertex and perhaps a fragment shader over triangles, with a depth buffer in which what is
+//! near is large.
 
 use super::{GpuError, catch};
 use crate::wgsl::{Shader, located};
@@ -15,8 +15,9 @@ pub struct RasterPass {
 }
 
 impl RasterPass {
-    /// Compiles WGSL source under the name `deepshade.<label>`: the vertex shader `corner`, and the fragment shader
-    /// `fragment` if there is one, which writes `targets`. Layouts of bind groups follow from the source.
+    /// Compiles WGSL source under the name `deepshade.<label>`: the vertex shader `corner`, and the fragment
+    /// shader `fragment` if there is one, which writes `targets`. Layouts of bind groups follow from the
+    /// source.
     ///
     /// # Errors
     /// If the source or the pipeline is not valid.
@@ -102,8 +103,8 @@ impl RasterPass {
     }
 }
 
-/// A texture `deepshade.<label>` that raster passes write and later passes read, `size` being layers, rows and
-/// columns.
+/// A texture `deepshade.<label>` that raster passes write and later passes read, `size` being layers, rows
+/// and columns.
 ///
 /// # Errors
 /// If the device allows none of that size or has no room for it.

@@ -74,8 +74,8 @@ pub struct PassClock {
 }
 
 impl PassClock {
-    /// A clock for so many passes; `None` where the device has no timestamps, or is software, whose timestamps mean
-    /// nothing ([`super::Timing::by_gpu`]).
+    /// A clock for so many passes; `None` where the device has no timestamps, or is software, whose
+    /// timestamps mean nothing ([`super::Timing::by_gpu`]).
     ///
     /// # Errors
     /// If the device has no room.
@@ -116,8 +116,8 @@ impl PassClock {
         Stamps { queries: &self.queries, first: 2 * pass as u32 }
     }
 
-    /// Once a frame's passes are submitted: sends their timestamps on their way, and gives the milliseconds of each pass of
-    /// a frame before, where they have arrived.
+    /// Once a frame's passes are submitted: sends their timestamps on their way, and gives the milliseconds
+    /// of each pass of a frame before, where they have arrived.
     pub fn collect(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<Vec<f64>> {
         let arrived = self.arrived();
         if let Some((buffer, done, busy)) = self.staging.iter_mut().find(|(_, _, busy)| !*busy) {

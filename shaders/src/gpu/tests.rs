@@ -73,8 +73,8 @@ fn a_time_is_plausible_whatever_ran_before() {
     let timing =
         time(&device, &queue, "spin", 1, 9, |encoder| spin.dispatch(encoder, [256, 1, 1])).expect("runs");
     let elapsed = start.elapsed().as_secs_f64() * 1e3;
-    // Five of nine runs take the median or more. No device makes 3e8 turns in a microsecond; a clock that is read before
-    // the work is done says so.
+    // Five of nine runs take the median or more. No device makes 3e8 turns in a microsecond; a clock that is
+    // read before the work is done says so.
     assert!(timing.milliseconds > 1e-3, "{timing:?}");
     assert!(5.0 * timing.milliseconds < elapsed, "{timing:?}, though all runs together took {elapsed} ms");
 }

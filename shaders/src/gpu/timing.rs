@@ -16,9 +16,9 @@ pub struct Timing {
     pub milliseconds: f64,
     /// 95th percentile of the timed runs, milliseconds.
     pub p95: f64,
-    /// Whether timestamps of the GPU measured it. Where the device has none it is the wall clock, from submission
-    /// until the device is idle; on the CPU too, because lavapipe takes timestamps when it pleases (seen: 0.05 ms for
-    /// 130 ms of work, after a pass that had read a texture).
+    /// Whether timestamps of the GPU measured it. Where the device has none it is the wall clock, from
+    /// submission until the device is idle; on the CPU too, because lavapipe takes timestamps when it pleases
+    /// (seen: 0.05 ms for 130 ms of work, after a pass that had read a texture).
     pub by_gpu: bool,
 }
 
@@ -35,9 +35,9 @@ impl Timing {
 /// How long a software adapter, on which a run may take minutes, is measured.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run a
-/// submission of its own, and takes the median. Software adapters begin no further run, of either kind, once [`PATIENCE`]
-/// is over.
+/// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run
+/// a submission of its own, and takes the median. Software adapters begin no further run, of either kind,
+/// once [`PATIENCE`] is over.
 ///
 /// Timestamps need the features `TIMESTAMP_QUERY` and `TIMESTAMP_QUERY_INSIDE_ENCODERS`.
 ///
@@ -114,8 +114,8 @@ async fn by_timestamps(
         usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     });
-    // In a submission of its own: wgpu may resolve queries of the same submission before they are written (wgpu
-    // issue 6406).
+    // In a submission of its own: wgpu may resolve queries of the same submission before they are written
+    // (wgpu issue 6406).
     submit(device, queue, label, |encoder| encoder.resolve_query_set(&queries, 0..count, &resolved, 0))?;
     let ticks: Vec<u64> = read_async(device, queue, &resolved).await?;
     let period = f64::from(queue.get_timestamp_period());

@@ -1,5 +1,5 @@
-//! Waiting for the device: the one place where programs and web pages differ. A program waits; in a page, which may
-//! not, the same work is awaited, and goes on when the browser says that the device is done.
+//! Waiting for the device: the one place where programs and web pages differ. A program waits; in a page,
+//! which may not, the same work is awaited, and goes on when the browser says that the device is done.
 
 use super::GpuError;
 

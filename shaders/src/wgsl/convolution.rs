@@ -1,5 +1,5 @@
-//! The kernels of a network's layers on GPUs: one template, `shaders/wgsl/convolution`, and what a layer's shape and a
-//! device's taste make of it.
+//! The kernels of a network's layers on GPUs: one template, `shaders/wgsl/convolution`, and what a layer's
+//! shape and a device's taste make of it.
 //!
 //! A kernel is a prelude of constants, and files by what it is like: how it stages, how it reads, how many
 //! outputs it makes at a time and where it writes them.

@@ -1,4 +1,5 @@
-// Copies vectors of four floats, each invocation some that lie far apart, so that neighbours read side by side.
+// Copies vectors of four floats, each invocation some that lie far apart, so that neighbours read side by
+// side.
 
 @group(0) @binding(0) var<storage, read> source: array<vec4<f32>>;
 @group(0) @binding(1) var<storage, read_write> made: array<vec4<f32>>;

@@ -1,6 +1,6 @@
-// The convolution. Pixels and columns of the kernel are written out, and what the constants make superfluous falls away:
-// an array indexed by a loop's counter would lie in memory. A row of what the pixels see is read once: the lower row of
-// pixels sees in one row of the kernel what the upper one sees in the next.
+// The convolution. Pixels and columns of the kernel are written out, and what the constants make superfluous
+// falls away: an array indexed by a loop's counter would lie in memory. A row of what the pixels see is read
+// once: the lower row of pixels sees in one row of the kernel what the upper one sees in the next.
 
 #template
 #import convolution/layer
@@ -61,8 +61,8 @@ fn add_tap(sums: ptr<function, Sums>, weight: Weight, up: Column, low: Column) {
     }
 }
 
-// Adds one row of the kernel, the first of whose weights is that of index `tap`; `up` and `low` are what the upper and
-// the lower pixels see of it.
+// Adds one row of the kernel, the first of whose weights is that of index `tap`; `up` and `low` are what the
+// upper and the lower pixels see of it.
 fn add_row(sums: ptr<function, Sums>, inputs: Inputs, tap: u32, up: Row, low: Row) {
     add_tap(
         sums, weight_at(inputs, tap), Column(up[0], up[1], up[2], up[3]), Column(low[0], low[1], low[2], low[3]),

@@ -1,5 +1,5 @@
-// Reads the concatenation of two images that is never stored: the coarser level, doubled bilinearly on the way (pixel
-// centres at halves, the edge continued outwards), and the same level's layer on the way down.
+// Reads the concatenation of two images that is never stored: the coarser level, doubled bilinearly on the
+// way (pixel centres at halves, the edge continued outwards), and the same level's layer on the way down.
 // Rust binds `coarse` and `skip`.
 
 #import convolution/layer
@@ -10,7 +10,8 @@ fn coarse_texel(block: u32, at: vec2<i32>) -> vec4<f32> {
     return vec4<f32>(coarse[(block * size.y + pixel.y) * size.x + pixel.x]);
 }
 
-// 3/4 the coarse pixel in which a pixel lies and 1/4 the next one on the side towards which it lies, along each axis.
+// 3/4 the coarse pixel in which a pixel lies and 1/4 the next one on the side towards which it lies, along
+// each axis.
 fn doubled(block: u32, at: vec2<i32>) -> vec4<f32> {
     let near = at / 2;
     let far = near + select(vec2(-1), vec2(1), at % 2 == vec2(1));

@@ -4,8 +4,8 @@
 
 const STAGE_X = WORKGROUP * PIXELS_X + KERNEL - 1u;
 const STAGE_Y = WORKGROUP * PIXELS_Y + KERNEL - 1u;
-// Columns of the stage with the same remainder lie together, so that invocations side by side, which are PIXELS_X
-// columns apart, read vectors side by side and no bank of the memory twice.
+// Columns of the stage with the same remainder lie together, so that invocations side by side, which are
+// PIXELS_X columns apart, read vectors side by side and no bank of the memory twice.
 const PITCH = (STAGE_X + PIXELS_X - 1u) / PIXELS_X;
 
 var<workgroup> staged: array<array<array<vec4<f32>, PITCH>, PIXELS_X>, STAGE_Y>;
@@ -23,7 +23,8 @@ fn stage(inputs: Inputs, index: u32) {
     workgroupBarrier();
 }
 
-// What a pixel sees that lies `column` columns to the right of an invocation's first one in the stage's row `row`.
+// What a pixel sees that lies `column` columns to the right of an invocation's first one in the stage's row
+// `row`.
 fn seen(inputs: Inputs, invocation: u32, row: u32, column: u32) -> vec4<f32> {
     return staged[row][column % PIXELS_X][invocation + column / PIXELS_X];
 }

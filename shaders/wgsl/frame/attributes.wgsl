@@ -1,5 +1,5 @@
-// The g-buffer's attributes from the raster pass' words: planes [width, height, width] in a buffer each, 0 where nothing
-// is seen. `write_all`, which is generated, writes those that this pass is for.
+// The g-buffer's attributes from the raster pass' words: planes [width, height, width] in a buffer each, 0
+// where nothing is seen. `write_all`, which is generated, writes those that this pass is for.
 
 #template
 #import shared/seen

@@ -1,6 +1,6 @@
-// Direct light of lights without an extent, with shadows by their maps: the attributes `L` and `Ldiff`, planes
-// [3, height, width] (thesis 7.3.1). The exact one is render/src/path/direct.rs, but for blended surfaces: here they throw a
-// full shadow from half opacity on and none below, there they dim.
+// Direct light of lights without an extent, with shadows by their maps: the attributes `L` and `Ldiff`,
+// planes [3, height, width] (thesis 7.3.1). The exact one is render/src/path/direct.rs, but for blended
+// surfaces: here they throw a full shadow from half opacity on and none below, there they dim.
 
 #import shared/lights
 #import shared/seen

@@ -1,6 +1,6 @@
-// Poses the vertices that move: morph targets, then the joints that a vertex follows, into the world (glTF 2.0, 3.7.2.2
-// and 3.7.3); and how far each goes while the shutter is open. What was its place becomes its place before.
-// The plain version is render/src/scene/gltf.
+// Poses the vertices that move: morph targets, then the joints that a vertex follows, into the world (glTF
+// 2.0, 3.7.2.2 and 3.7.3); and how far each goes while the shutter is open. What was its place becomes its
+// place before. The plain version is render/src/scene/gltf.
 
 /// What `frame/pose` reads.
 struct Pose {
@@ -19,7 +19,8 @@ struct Pose {
 @group(0) @binding(0) var<uniform> pose: Pose;
 // A vertex: position, normal, tangent with sign, 10 numbers.
 @group(0) @binding(1) var<storage, read> rest: array<f32>;
-// A vertex: first influence, number of influences, first morph displacement, number of targets, first morph weight.
+// A vertex: first influence, number of influences, first morph displacement, number of targets, first morph
+// weight.
 @group(0) @binding(2) var<storage, read> followers: array<u32>;
 // An influence: matrix and, as bits, weight.
 @group(0) @binding(3) var<storage, read> influences: array<vec2u>;
@@ -59,7 +60,8 @@ fn morphed(vertex: u32, moment: u32) -> Vertex {
     return at;
 }
 
-// The three rows of the mean of the matrices that a vertex follows: at least one, and their weights add up to more than 0.
+// The three rows of the mean of the matrices that a vertex follows: at least one, and their weights add up to
+// more than 0.
 fn followed(vertex: u32, moment: u32) -> array<vec4f, 3> {
     var rows = array<vec4f, 3>(vec4f(0.0), vec4f(0.0), vec4f(0.0));
     var total = 0.0;

@@ -1,5 +1,6 @@
-// A reflective shadow map (Dachsbacher and Stamminger 2005): where one light's rays meet the scene, and the power that
-// each texel's surface reflects diffusely. Planes [9, height, width]: position in world space, normal, flux in watts.
+// A reflective shadow map (Dachsbacher and Stamminger 2005): where one light's rays meet the scene, and the
+// power that each texel's surface reflects diffusely. Planes [9, height, width]: position in world space,
+// normal, flux in watts.
 
 #import shared/lights
 #import shared/seen

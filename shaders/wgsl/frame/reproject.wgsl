@@ -1,5 +1,6 @@
-// Temporal reprojection of any image, planes [CHANNELS, height, width]: what the frame before made of the surface that a
-// pixel shows, mixed with what this one makes. The plain version is render/src/screen/reprojection/reference.rs.
+// Temporal reprojection of any image, planes [CHANNELS, height, width]: what the frame before made of the
+// surface that a pixel shows, mixed with what this one makes. The plain version is
+// render/src/screen/reprojection/reference.rs.
 
 #constant CHANNELS = 1
 
@@ -27,8 +28,8 @@ struct Reprojection {
 @group(0) @binding(4) var<storage, read> since_before_that: array<f32>;
 @group(0) @binding(5) var<storage, read_write> mixed: array<f32>;
 
-// Where the pixel's surface was: four pixels of the frame before with bilinear weights, 0 for those that showed another
-// surface.
+// Where the pixel's surface was: four pixels of the frame before with bilinear weights, 0 for those that
+// showed another surface.
 struct Origin {
     indices: array<u32, 4>,
     weights: array<f32, 4>,

@@ -1,6 +1,6 @@
-// What reprojection reads: planes [4, height, width] of how far each pixel's surface moved in the image since the frame
-// before, x to the right and y up, pixels; of its depth, metres, and of the depth that it had then. All 0 where nothing is
-// seen; what was behind the eye had a depth of 0 and moved by 0.
+// What reprojection reads: planes [4, height, width] of how far each pixel's surface moved in the image since
+// the frame before, x to the right and y up, pixels; of its depth, metres, and of the depth that it had then.
+// All 0 where nothing is seen; what was behind the eye had a depth of 0 and moved by 0.
 
 #import shared/seen
 #import shared/view

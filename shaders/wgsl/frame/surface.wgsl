@@ -1,5 +1,6 @@
-// The g-buffer's raster pass: what the materials say of the nearest surface of each pixel, in eight words. Positions
-// follow from the depth buffer. The same as render/src/intersection.rs and scene/material.rs compute for a ray.
+// The g-buffer's raster pass: what the materials say of the nearest surface of each pixel, in eight words.
+// Positions follow from the depth buffer. The same as render/src/intersection.rs and scene/material.rs
+// compute for a ray.
 
 #import shared/packing
 #import shared/view
@@ -61,8 +62,9 @@ fn any_orthonormal(normal: vec3f) -> vec3f {
     return vec3f(normal.x * normal.y * a, sign + normal.y * normal.y * a, -normal.y);
 }
 
-// The unit vector along which u grows, at right angles to the normal, and the sign of the bitangent. Where the mesh has no
-// tangents both follow from how the place and the mesh's own coordinates, which no transform has moved, change in the image.
+// The unit vector along which u grows, at right angles to the normal, and the sign of the bitangent. Where
+// the mesh has no tangents both follow from how the place and the mesh's own coordinates, which no transform
+// has moved, change in the image.
 fn tangent_of(tangent: vec4f, normal: vec3f, places: array<vec3f, 2>, uvs: array<vec2f, 2>, front: bool) -> vec4f {
     var along = tangent.xyz;
     var sign = select(-1.0, 1.0, tangent.w >= 0.0);
@@ -88,8 +90,8 @@ fn leaning_to(normal: vec3f, to_viewer: vec3f, geometric: vec3f) -> vec3f {
     return select(geometric, lifted / length, length > 0.0);
 }
 
-// Movement in the image of a point displaced around where it is now; where an end is behind the eye, as it moves in
-// the middle (render/src/gbuffer.rs).
+// Movement in the image of a point displaced around where it is now; where an end is behind the eye, as it
+// moves in the middle (render/src/gbuffer.rs).
 fn movement(offset: vec3f, displacement: vec3f) -> vec2f {
     let opening = offset - 0.5 * displacement;
     let closing = offset + 0.5 * displacement;

@@ -1,5 +1,5 @@
-// An image of fewer pixels in full size: each pixel takes the mean of the four around it there, of those that show the same
-// surface (Kopf et al. 2007, "Joint Bilateral Upsampling").
+// An image of fewer pixels in full size: each pixel takes the mean of the four around it there, of those that
+// show the same surface (Kopf et al. 2007, "Joint Bilateral Upsampling").
 
 #import shared/surface
 #import shared/surface_valid

@@ -1,4 +1,5 @@
-// Two images of one effect on the screen, one to the left of a border and one to the right, in the colours of a screen.
+// Two images of one effect on the screen, one to the left of a border and one to the right, in the colours of
+// a screen.
 
 /// What `frame/wipe` reads.
 struct Wipe {

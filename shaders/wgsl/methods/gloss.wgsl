@@ -1,5 +1,5 @@
-// What glossy receivers read of each pixel in one buffer, since passes have no more than eight: specular colour and
-// glossiness.
+// What glossy receivers read of each pixel in one buffer, since passes have no more than eight: specular
+// colour and glossiness.
 
 // Attributes, [channels, height, width].
 @group(0) @binding(0) var<storage, read> valid: array<f32>;

@@ -2,8 +2,8 @@
 
 #import shared/packing
 
-// [directions, height, width]: twice the index of a surfel, and 1 more where its back is met, or NONE; then radiance,
-// as `pack_radiance` has it.
+// [directions, height, width]: twice the index of a surfel, and 1 more where its back is met, or NONE; then
+// radiance, as `pack_radiance` has it.
 @group(0) @binding(0) var<storage, read_write> arrived: array<u32>;
 
 @compute @workgroup_size(64)

@@ -10,8 +10,8 @@ const IN_SQUARE = 16u;
 const GOLDEN_TURN = 0.381966;
 const TAU = 6.2831853;
 
-// A place on a disk, which they all fill evenly: its radius squared, and its angle, turns. `spread` is how many a pixel
-// has, and a seed.
+// A place on a disk, which they all fill evenly: its radius squared, and its angle, turns. `spread` is how
+// many a pixel has, and a seed.
 fn place_on_disk(pixel: vec2u, number: u32, spread: vec2u) -> vec2f {
     let square = pixel >> vec2u(SQUARE);
     let which = f32(IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(spread.y)));

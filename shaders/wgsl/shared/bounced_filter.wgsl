@@ -1,5 +1,6 @@
-// Reconstruction (thesis 6.2.3): what a pixel's surface makes of what arrives at it and at its neighbours, each weighed
-// by the density that the pixel would have drawn its direction with over that which the neighbour has drawn it with.
+// Reconstruction (thesis 6.2.3): what a pixel's surface makes of what arrives at it and at its neighbours,
+// each weighed by the density that the pixel would have drawn its direction with over that which the
+// neighbour has drawn it with.
 
 #import shared/bounded
 #import shared/packing

@@ -17,8 +17,8 @@ fn reflects(reflector: Reflector) -> bool {
     return shines(reflector);
 }
 
-// The eye's direction, mirrored by a facet that it sees (Heitz 2018; drawn as Dupuy and Benyoub 2023 do, from a
-// spherical cap). May be below the surface.
+// The eye's direction, mirrored by a facet that it sees (Heitz 2018; drawn as Dupuy and Benyoub 2023 do, from
+// a spherical cap). May be below the surface.
 fn direction_of(reflector: Reflector, place: vec2f) -> vec3f {
     let to_world = tangents(reflector.normal);
     let viewer = transpose(to_world) * reflector.viewer;

@@ -1,6 +1,7 @@
-// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the nearest
-// surfel of the finest level that has one. As with splats, level l has one of 4^l surfels, another one for each pixel
-// of a square. Rays walk a tree over the surfels. The plain version is render/src/methods/bounced_z/reference.rs.
+// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the
+// nearest surfel of the finest level that has one. As with splats, level l has one of 4^l surfels, another
+// one for each pixel of a square. Rays walk a tree over the surfels. The plain version is
+// render/src/methods/bounced_z/reference.rs.
 
 #import shared/bounced_directions
 #import shared/bounced_none
@@ -40,11 +41,12 @@ struct Bounces {
 @group(0) @binding(6) var<storage, read> nodes: array<Node>;
 // Octahedral, two snorm16: [directions, height, width].
 @group(0) @binding(7) var<storage, read_write> directions: array<u32>;
-// Twice the index of the surfel that is met there, and 1 more where its back is, or NONE: [directions, height, width].
+// Twice the index of the surfel that is met there, and 1 more where its back is, or NONE: [directions,
+// height, width].
 @group(0) @binding(8) var<storage, read_write> met: array<u32>;
 
-// Sine of the least angle between the way to a surfel and either surface: the point's own surface does not hide it.
-// Surfels' normals are rounded by nearly as much.
+// Sine of the least angle between the way to a surfel and either surface: the point's own surface does not
+// hide it. Surfels' normals are rounded by nearly as much.
 const LEAST_SINE = 4.2e-3;
 
 // What a ray has met so far.
@@ -94,8 +96,8 @@ fn precedes(a: Hit, b: Hit) -> bool {
     return a.distance < b.distance || (a.distance == b.distance && a.surfel < b.surfel);
 }
 
-// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than the
-// ray's.
+// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than
+// the ray's.
 fn hit_of(which: u32, ray: Query) -> Hit {
     let none = Hit(NONE, 0.0, 0u);
     let surfel = surfels[which];

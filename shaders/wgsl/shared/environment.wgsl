@@ -1,5 +1,5 @@
-// An environment filtered for few samples: equirectangular maps of twice as many columns as rows, RGB and one unused.
-// The plain version is render/src/methods/environment_map.rs. A pass that includes this declares
+// An environment filtered for few samples: equirectangular maps of twice as many columns as rows, RGB and one
+// unused. The plain version is render/src/methods/environment_map.rs. A pass that includes this declares
 // `environment: array<vec4f>`, which holds them.
 
 const TAU = 6.28318531;

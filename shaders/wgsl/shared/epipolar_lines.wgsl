@@ -1,6 +1,7 @@
-// Lines through the epipole, and where they leave the image. Places on its border are counted clockwise, pixels, from where the
-// line through its middle comes in: if not all places are such where lines leave, those that are follow each other. Passes bind `epipolar` and `lines`: how many lines leave before each place of the border,
-// then the least and the largest `gamma` that is seen.
+// Lines through the epipole, and where they leave the image. Places on its border are counted clockwise,
+// pixels, from where the line through its middle comes in: if not all places are such where lines leave,
+// those that are follow each other. Passes bind `epipolar` and `lines`: how many lines leave before each
+// place of the border, then the least and the largest `gamma` that is seen.
 
 #import shared/lamp_axis
 #import shared/view
@@ -25,8 +26,8 @@ fn corner_point(place: f32) -> vec2f {
     return vec2f(0.0, max(2.0 * (width + height) - place, 0.0));
 }
 
-// The direction of the line through a point of the image: away from the light, or from its opposite if it is behind the eye.
-// The epipole is homogeneous, so that it may be infinitely far away.
+// The direction of the line through a point of the image: away from the light, or from its opposite if it is
+// behind the eye. The epipole is homogeneous, so that it may be infinitely far away.
 fn line_direction(point: vec2f, axis: Axis) -> vec2f {
     let at = to_view(axis.direction, view);
     let half = 0.5 * vec2f(f32(epipolar.width), f32(epipolar.height));

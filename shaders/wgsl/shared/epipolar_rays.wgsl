@@ -1,5 +1,6 @@
-// Light rays of a lamp, the same in all slices: denser towards the line from the eye to the lamp, since view rays near it cross
-// none that are farther away. Passes bind `epipolar`. The plain version is render/src/methods/epipolar/{geometry,spacing}.rs.
+// Light rays of a lamp, the same in all slices: denser towards the line from the eye to the lamp, since view
+// rays near it cross none that are farther away. Passes bind `epipolar`. The plain version is
+// render/src/methods/epipolar/{geometry,spacing}.rs.
 
 #import shared/growing
 #import shared/lamp_axis
@@ -15,7 +16,8 @@ fn beta_of(point: vec2f) -> f32 {
     return 1.0 - point.x / (abs(point.x) + point.y);
 }
 
-// The light ray through the point that is so far along a view ray: its distance from the eye, or its angle at the lamp.
+// The light ray through the point that is so far along a view ray: its distance from the eye, or its angle at
+// the lamp.
 fn gamma_of(ray: vec2f, distance: f32, axis: Axis) -> f32 {
     if axis.reach < 0.0 {
         return distance * ray.y;

@@ -1,4 +1,5 @@
-// View rays in rectified coordinates. Passes bind `valid_plane` and `position_planes`, `[3, height, width]`, camera space, metres.
+// View rays in rectified coordinates. Passes bind `valid_plane` and `position_planes`, `[3, height, width]`,
+// camera space, metres.
 
 #import shared/epipolar_rays
 #import shared/lamp_axis

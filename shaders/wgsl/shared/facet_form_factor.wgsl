@@ -1,7 +1,8 @@
-// The form factor from a point with a normal to that part of a facet which is above the point's tangent plane and within reach:
-// the integral along the outline of the part (Lambert 1760; Baum, Rushmeier and Winget 1989). The outline has pieces of the
-// edges, which look like arcs of great circles, and arcs of the circle in which the facet's plane cuts the sphere of the
-// reach. The plain version is render/src/methods/aov/polygon.rs.
+// The form factor from a point with a normal to that part of a facet which is above the point's tangent plane
+// and within reach: the integral along the outline of the part (Lambert 1760; Baum, Rushmeier and Winget
+// 1989). The outline has pieces of the edges, which look like arcs of great circles, and arcs of the circle
+// in which the facet's plane cuts the sphere of the reach. The plain version is
+// render/src/methods/aov/polygon.rs.
 
 // The circle in which a plane cuts the sphere around the point, which is the origin.
 struct Circle {
@@ -34,7 +35,8 @@ fn straight(begin: vec3f, end: vec3f, normal: vec3f) -> f32 {
         return 0.0;
     }
     var angle_over_size = atan2(size, along) / size;
-    // Where all angles are small they cancel but for a remainder, which atan2 alone is not exact enough for: a series.
+    // Where all angles are small they cancel but for a remainder, which atan2 alone is not exact enough for:
+    // a series.
     if size < 0.3 * along {
         let t = size * size / (along * along);
         angle_over_size = (1.0 - t * (1.0 / 3.0 - t * (0.2 - t * (1.0 / 7.0 - t / 9.0)))) / along;

@@ -7,12 +7,12 @@
 #import shared/single_scattering
 #import uniforms/light_record
 
-// Nearer to a lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it is infinitely
-// bright there.
+// Nearer to a lamp than this, metres, or than this part of its distance to the eye, it counts as that near:
+// it is infinitely bright there.
 const NEAREST = vec2f(1e-4, 1e-5);
 
-// How a view ray is cut: at equal angles as seen from a lamp, which bring the same light each (Kulla and Fajardo 2012), or, of
-// distant lamps, at equal distances.
+// How a view ray is cut: at equal angles as seen from a lamp, which bring the same light each (Kulla and
+// Fajardo 2012), or, of distant lamps, at equal distances.
 struct Cut {
     first: f32,
     step: f32,
@@ -38,7 +38,8 @@ fn cut_at(cut: Cut, steps: f32) -> f32 {
     return select(at, cut.nearest + cut.aside * tan(at), cut.aside > 0.0);
 }
 
-// The length that a step counts for which is lit at `at`: of steps of equal angle what cancels the inverse square there.
+// The length that a step counts for which is lit at `at`: of steps of equal angle what cancels the inverse
+// square there.
 fn step_length(cut: Cut, begins: f32, at: f32, ends: f32) -> f32 {
     let tangent = (at - cut.nearest) / max(cut.aside, 1e-30);
     return select(ends - begins, cut.aside * cut.step * (1.0 + tangent * tangent), cut.aside > 0.0);

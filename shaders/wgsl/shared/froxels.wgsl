@@ -1,10 +1,11 @@
-// The froxels of a view: columns of slices, which are thinner near the eye. Slices divide each ray's own way through the
-// medium. Passes bind `froxels`, `view` and `medium`.
+// The froxels of a view: columns of slices, which are thinner near the eye. Slices divide each ray's own way
+// through the medium. Passes bind `froxels`, `view` and `medium`.
 
 #import shared/growing
 #import shared/medium_span
 
-// Steps of a sequence that fills a cube evenly (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+// Steps of a sequence that fills a cube evenly (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom
+// Sequences").
 const STRIDE = vec3f(0.8191725, 0.6710436, 0.5497005);
 
 // Where in their columns froxels are lit, and where in their steps, in this frame.

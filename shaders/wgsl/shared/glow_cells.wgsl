@@ -1,5 +1,5 @@
-// What the cells of a medium that keeps light send: render/src/methods/phosphor/cells.rs. Passes bind `paints`, `lattice` and
-// `states`.
+// What the cells of a medium that keeps light send: render/src/methods/phosphor/cells.rs. Passes bind
+// `paints`, `lattice` and `states`.
 
 #constant PAINT = 0
 #constant STATES = 1

@@ -1,5 +1,5 @@
-// States moved on, a share of each with what rounding leaves of its changes. Passes bind `paints`, `time` and `states`, [2, ..,
-// STATES]: shares, and then what rounding has left.
+// States moved on, a share of each with what rounding leaves of its changes. Passes bind `paints`, `time` and
+// `states`, [2, .., STATES]: shares, and then what rounding has left.
 
 #import shared/glow_time
 #constant EULER = 0
@@ -17,8 +17,9 @@ struct Share {
     left: f32,
 }
 
-// A share and a change, with what rounding leaves (Kahan 1965): the changes of slow states in a frame are smaller than what can
-// be told from their shares. `nothing` is 0, which compilers do not know: they would take (a + b) - a for b.
+// A share and a change, with what rounding leaves (Kahan 1965): the changes of slow states in a frame are
+// smaller than what can be told from their shares. `nothing` is 0, which compilers do not know: they would
+// take (a + b) - a for b.
 fn changed(share: Share, change: f32, nothing: u32) -> Share {
     let wanted = change + share.left;
     let sum = bitcast<f32>(bitcast<u32>(share.value + wanted) ^ nothing);
@@ -26,8 +27,8 @@ fn changed(share: Share, change: f32, nothing: u32) -> Share {
     return Share(value, select(0.0, wanted - (sum - share.value), value == sum));
 }
 
-// One exact step of the rate equation (thesis, equation 8.1). What is left after a long time is less than what rounding leaves of the
-// change, so that it is found by itself.
+// One exact step of the rate equation (thesis, equation 8.1). What is left after a long time is less than
+// what rounding leaves of the change, so that it is found by itself.
 fn exactly(share: Share, charge: f32, decay: f32, seconds: f32, nothing: u32) -> Share {
     let rate = charge + decay;
     if rate <= 0.0 {
@@ -41,9 +42,10 @@ fn exactly(share: Share, charge: f32, decay: f32, seconds: f32, nothing: u32) ->
     return changed(share, (rest - share.value) * progress(x), nothing);
 }
 
-// The states of a texel, a cell or a patch after a stretch of time, under light of each schedule: exactly, or by EULER steps of
-// Euler's scheme for each time in which no lamp is switched. Of these times a dispatch goes through PIECES_AT_ONCE, from FIRST_PIECE
-// on: an invocation may take so many turns of its loops, and no more.
+// The states of a texel, a cell or a patch after a stretch of time, under light of each schedule: exactly, or
+// by EULER steps of Euler's scheme for each time in which no lamp is switched. Of these times a dispatch goes
+// through PIECES_AT_ONCE, from FIRST_PIECE on: an invocation may take so many turns of its loops, and no
+// more.
 fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDULES>>, nothing: u32) {
     let anew = time[0] == 1.0 && FIRST_PIECE == 0u;
     for (var s = 0u; s < STATES; s++) {

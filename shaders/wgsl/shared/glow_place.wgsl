@@ -30,7 +30,8 @@ fn place_of(vertices: vec3u, weights: vec3f) -> Place {
     return Place(corners * weights, geometric, normal);
 }
 
-// Irradiance by one lamp on both sides together, W/m². What has no area gets none, though its vertices may have normals.
+// Irradiance by one lamp on both sides together, W/m². What has no area gets none, though its vertices may
+// have normals.
 fn received(light: LightRecord, place: Place) -> vec3f {
     let arrived = arrival(light, place.position);
     let facing = dot(place.geometric, arrived.direction);

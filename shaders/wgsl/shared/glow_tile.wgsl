@@ -1,6 +1,6 @@
-// Tiles: a triangle whose surface keeps light, with a lattice of texels of its own. Texels lie in rows of n + 1, n, ... 1
-// points, drawn in from the triangle's edges by half a step: a texel on an edge would be in two surfaces. The same as
-// render/src/methods/phosphor/tile.rs.
+// Tiles: a triangle whose surface keeps light, with a lattice of texels of its own. Texels lie in rows of n +
+// 1, n, ... 1 points, drawn in from the triangle's edges by half a step: a texel on an edge would be in two
+// surfaces. The same as render/src/methods/phosphor/tile.rs.
 
 #import uniforms/glow_tile
 

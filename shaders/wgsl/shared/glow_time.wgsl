@@ -17,8 +17,8 @@ fn piece_start(piece: u32) -> u32 {
     return 1u + LIGHTS + piece * (1u + SCHEDULES);
 }
 
-// The rate at which light excites a state; what is no amount of light is none. A colour that does not excite does nothing, even where
-// its light is endless.
+// The rate at which light excites a state; what is no amount of light is none. A colour that does not excite
+// does nothing, even where its light is endless.
 fn charge_of(state: PaintState, irradiance: vec3f) -> f32 {
     let rates = state.rates.rgb;
     let lit = select(vec3f(0.0), rates * irradiance, irradiance > vec3f(0.0));

@@ -13,8 +13,8 @@ fn growth_at(share: f32) -> f32 {
     return FIRST_PART + 2.0 * (1.0 - FIRST_PART) * share;
 }
 
-// The share of the parts after which a share of the length is passed: the quadratic formula without a difference of almost
-// equal numbers.
+// The share of the parts after which a share of the length is passed: the quadratic formula without a
+// difference of almost equal numbers.
 fn share_of_parts(passed: f32) -> f32 {
     let root = sqrt(FIRST_PART * FIRST_PART + 4.0 * (1.0 - FIRST_PART) * passed);
     return 2.0 * passed / (FIRST_PART + root);

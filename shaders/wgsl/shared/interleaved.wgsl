@@ -1,5 +1,6 @@
-// The interleaved framebuffer (thesis 4.2.2): on level l each square of 2^l x 2^l pixels gives one pixel to each of as
-// many sub-buffers, a random one. Nothing is moved: the pixel of a place in a sub-buffer is computed.
+// The interleaved framebuffer (thesis 4.2.2): on level l each square of 2^l x 2^l pixels gives one pixel to
+// each of as many sub-buffers, a random one. Nothing is moved: the pixel of a place in a sub-buffer is
+// computed.
 
 #import shared/random
 
@@ -21,7 +22,8 @@ fn interleaved_pixel(sub_buffer: u32, place: vec2u, level: u32, seed: u32) -> ve
     return (place << vec2u(level)) + vec2u(part & mask, part >> level);
 }
 
-// The number of a pixel among those of its square of 2^level x 2^level, in a random order that is the square's own.
+// The number of a pixel among those of its square of 2^level x 2^level, in a random order that is the
+// square's own.
 fn number_in_square(pixel: vec2u, level: u32, seed: u32) -> u32 {
     let place = pixel >> vec2u(level);
     let inside = pixel & vec2u((1u << level) - 1u);

@@ -1,6 +1,7 @@
-// The transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.1): of each pixel's ray the distances between which
-// the transmittance to the eye falls by equal parts of all that it falls by. How a ray's samples are kept is
-// shared/intervals_encode_*. The plain version is render/src/methods/volume_shell/intervals.rs.
+// The transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.1): of each pixel's ray the distances
+// between which the transmittance to the eye falls by equal parts of all that it falls by. How a ray's
+// samples are kept is shared/intervals_encode_*. The plain version is
+// render/src/methods/volume_shell/intervals.rs.
 
 #import shared/bounded
 #import shared/medium
@@ -32,8 +33,8 @@ struct Intervals {
 @group(0) @binding(4) var<storage, read> valid_plane: array<f32>;
 // [3, height, width], camera space, metres
 @group(0) @binding(5) var<storage, read> position_planes: array<f32>;
-// [height, width, 4]: where the ray enters the medium, and where it leaves it or ends on a surface, metres; its density times
-// length; the pixel's random offset.
+// [height, width, 4]: where the ray enters the medium, and where it leaves it or ends on a surface, metres;
+// its density times length; the pixel's random offset.
 @group(0) @binding(6) var<storage, read_write> rays: array<vec4f>;
 // [height, width, SAMPLES / 2]: the samples.
 @group(0) @binding(7) var<storage, read_write> samples: array<array<u32, SAMPLES / 2u>>;

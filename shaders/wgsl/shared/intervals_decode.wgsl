@@ -1,4 +1,5 @@
-// What the intervals of a pixel's ray scatter: filled in by `read_intervals`, of which there is one an encoding.
+// What the intervals of a pixel's ray scatter: filled in by `read_intervals`, of which there is one an
+// encoding.
 
 #import shared/colours
 #constant SAMPLES = 16

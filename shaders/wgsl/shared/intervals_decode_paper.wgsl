@@ -1,5 +1,5 @@
-// Of each interval its length times scattering coefficient and transmittance at its end (Nalbach, Ritschel and Seidel 2014,
-// 4.2).
+// Of each interval its length times scattering coefficient and transmittance at its end (Nalbach, Ritschel
+// and Seidel 2014, 4.2).
 #import shared/colours
 #import shared/intervals_decode
 #import shared/transmittance

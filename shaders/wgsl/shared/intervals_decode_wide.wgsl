@@ -1,5 +1,5 @@
-// Of each interval the albedo times the transmittance to the eye that falls within it, in its middle: no density is looked
-// up, and none is missed.
+// Of each interval the albedo times the transmittance to the eye that falls within it, in its middle: no
+// density is looked up, and none is missed.
 #import shared/colours
 #import shared/intervals_decode
 #import shared/transmittance

@@ -1,5 +1,5 @@
-// Samples of a ray as the paper keeps them: 8 bits each for the steps since the one before, and as many for density there
-// over the ray's largest, which takes the place of the first sample's, over the medium's.
+// Samples of a ray as the paper keeps them: 8 bits each for the steps since the one before, and as many for
+// density there over the ray's largest, which takes the place of the first sample's, over the medium's.
 
 #constant SAMPLES = 16
 

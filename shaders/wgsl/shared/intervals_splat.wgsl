@@ -1,6 +1,6 @@
-// Shell splatting onto the intervals of rays (Nalbach, Ritschel and Seidel 2014, 4.2), of one level, turned round as in
-// methods/surfel/splat: each pixel of a sub-buffer adds up what the surfels scatter to it that this sub-buffer gets. The plain
-// version is render/src/methods/volume_shell/reference.rs.
+// Shell splatting onto the intervals of rays (Nalbach, Ritschel and Seidel 2014, 4.2), of one level, turned
+// round as in methods/surfel/splat: each pixel of a sub-buffer adds up what the surfels scatter to it that
+// this sub-buffer gets. The plain version is render/src/methods/volume_shell/reference.rs.
 
 #import shared/bounded
 #import shared/interleaved
@@ -44,7 +44,8 @@ struct SplatPart {
 @group(0) @binding(9) var<storage, read> rays: array<vec4f>;
 @group(0) @binding(10) var<storage, read> samples: array<array<u32, SAMPLES / 2u>>;
 @group(0) @binding(11) var densities: texture_3d<f32>;
-// Which part of the tree's leaves: what all do to a pixel may take more turns of loops than a software device allows.
+// Which part of the tree's leaves: what all do to a pixel may take more turns of loops than a software device
+// allows.
 @group(0) @binding(12) var<uniform> part: SplatPart;
 
 // A pixel's ray, camera space.
@@ -76,7 +77,8 @@ fn reaches(node: Node, ray: Query) -> bool {
     return node.low.w > 0.0 && dot(way, way) <= reach * reach;
 }
 
-// Half of the length that a sphere has of a line at a squared distance from its middle; negative where it has none.
+// Half of the length that a sphere has of a line at a squared distance from its middle; negative where it has
+// none.
 fn half_chord(radius: f32, aside: f32) -> f32 {
     let rest = radius * radius - aside;
     return select(-1.0, sqrt(max(rest, 0.0)), rest > 0.0);

@@ -1,5 +1,5 @@
-// Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike (Baran et al. 2010, section
-// 3). Passes bind `lights`, `view`, and of which lamp they are.
+// Where a lamp is as the eye sees it: half-planes through that line hold view rays and light rays alike
+// (Baran et al. 2010, section 3). Passes bind `lights`, `view`, and of which lamp they are.
 
 #import uniforms/of_lamp
 

@@ -1,5 +1,5 @@
-// How what is seen at a pixel reflects light specularly to the eye: GGX microfacets with Schlick's Fresnel (glTF 2.0,
-// appendix B). The plain version is render/src/methods/lobe.rs.
+// How what is seen at a pixel reflects light specularly to the eye: GGX microfacets with Schlick's Fresnel
+// (glTF 2.0, appendix B). The plain version is render/src/methods/lobe.rs.
 
 // Narrower lobes are below what directions resolve.
 const NARROWEST_ALPHA = 1e-3;
@@ -65,8 +65,8 @@ fn lobe_density(lobe: Lobe, light: vec3f) -> f32 {
     return facet_density(lobe, facet_between(lobe, light)) / (4.0 * to_viewer * (1.0 + hidden));
 }
 
-// Share of what those facets mirror that no other facet stops; of a white surface, reflectance times the cosine of
-// light's direction over that density.
+// Share of what those facets mirror that no other facet stops; of a white surface, reflectance times the
+// cosine of light's direction over that density.
 fn lobe_visibility(lobe: Lobe, light: vec3f) -> f32 {
     let to_light = dot(lobe.normal, light);
     if to_light <= 0.0 {

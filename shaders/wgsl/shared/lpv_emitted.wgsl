@@ -1,5 +1,5 @@
-// What the medium in a cell of a density scatters of light that the scene sends by itself, watts; a grid's medium scatters
-// alike in all directions. Passes bind `grid` and `medium`.
+// What the medium in a cell of a density scatters of light that the scene sends by itself, watts; a grid's
+// medium scatters alike in all directions. Passes bind `grid` and `medium`.
 
 #import shared/lpv_grid
 #import shared/lpv_medium

@@ -1,4 +1,5 @@
-// What a cell does to light that sets out from it: render/src/lpv/flight.rs. FACTORS says how collisions are counted.
+// What a cell does to light that sets out from it: render/src/lpv/flight.rs. FACTORS says how collisions are
+// counted.
 
 #import shared/lpv_lattice
 #import shared/lpv_lobe
@@ -8,7 +9,8 @@ const PLACED = 0u;
 const EXPONENTIAL = 1u;
 const LINEAR = 2u;
 
-// Of light that sets out to a neighbour of a kind what leaves a cell with so much extinction on its part of the way.
+// Of light that sets out to a neighbour of a kind what leaves a cell with so much extinction on its part of
+// the way.
 fn leaving(within: vec3f, kind: u32) -> vec3f {
     if FACTORS == LINEAR {
         return 1.0 - within * dot(COUNTS * SHARES, DISTANCES);
@@ -51,7 +53,8 @@ fn track(passes: vec3f, extinction: vec3f, whole: f32) -> vec3f {
     return select(vec3f(whole), (1.0 - passes) / max(extinction, vec3f(CLEAR)), extinction > vec3f(CLEAR));
 }
 
-// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the way.
+// That of half a way to a neighbour; where all collisions are in the cell that light leaves, so is all of the
+// way.
 fn half_track(passes: vec3f, extinction: vec3f, kind: u32) -> vec3f {
     if FACTORS != PLACED {
         return vec3f(0.0);

@@ -1,6 +1,6 @@
-// Light of a volume at points between the middles of cells. Passes bind `shown`, [planes, 3, cells]: flux and energy
-// times lengths of ways, watts times cells, first as the medium shows it. Where NESTED is 1 cells at the border are not looked
-// at: what a coarser grid hands over in them is not all of their light.
+// Light of a volume at points between the middles of cells. Passes bind `shown`, [planes, 3, cells]: flux and
+// energy times lengths of ways, watts times cells, first as the medium shows it. Where NESTED is 1 cells at
+// the border are not looked at: what a coarser grid hands over in them is not all of their light.
 
 #import shared/lpv_grid
 #constant LOOKUP = 0
@@ -39,7 +39,8 @@ fn tap_weight(taps: Taps, corner: vec3i) -> f32 {
     return weights.x * weights.y * weights.z;
 }
 
-// Irradiance of light of a flux and an energy: of a lobe of these the bands of the clamped cosine up to the second.
+// Irradiance of light of a flux and an energy: of a lobe of these the bands of the clamped cosine up to the
+// second.
 fn lobe_irradiance(flux: vec3f, energy: f32, normal: vec3f) -> f32 {
     let size = length(flux);
     let directed = min(size / max(energy, 1e-30), 1.0);

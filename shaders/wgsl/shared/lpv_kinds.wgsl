@@ -1,6 +1,6 @@
-// Kinds of light that are kept apart: light that met no medium, by how often surfaces have reflected it, UNSCATTERED of
-// them, and, if SCATTERED is 1, light that was scattered. What is shown is of the last of the former and of scattered
-// light, and by surfaces of the last of all: render/src/lpv/propagation.rs.
+// Kinds of light that are kept apart: light that met no medium, by how often surfaces have reflected it,
+// UNSCATTERED of them, and, if SCATTERED is 1, light that was scattered. What is shown is of the last of the
+// former and of scattered light, and by surfaces of the last of all: render/src/lpv/propagation.rs.
 
 #import shared/lpv_grid
 #constant SCATTERED = 1

@@ -9,7 +9,8 @@ const THREE_BANDS = 2u;
 // Length of the mean direction at which a lobe ends at a right angle.
 const MOST_DIRECTED = 0.75;
 
-// Energy towards a neighbour of a kind, over its share of all directions; a third band adds to it (lpv_second.wgsl).
+// Energy towards a neighbour of a kind, over its share of all directions; a third band adds to it
+// (lpv_second.wgsl).
 fn towards(lobe: vec4f, direction: vec3f, kind: u32) -> f32 {
     if LOBES != SQUARED {
         return lobe.w + 3.0 * kept_direction(kind) * dot(lobe.xyz, direction);

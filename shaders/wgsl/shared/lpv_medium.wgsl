@@ -1,6 +1,7 @@
-// The medium as light propagation sees it: with a phase function that is the same for all directions, and as much less
-// of it as keeps the mean flux (similarity: van de Hulst 1980). What is scattered nearly ahead counts then as not scattered;
-// where light is wanted that was not, all of the medium is there (SIMILAR is 0).
+// The medium as light propagation sees it: with a phase function that is the same for all directions, and as
+// much less of it as keeps the mean flux (similarity: van de Hulst 1980). What is scattered nearly ahead
+// counts then as not scattered; where light is wanted that was not, all of the medium is there (SIMILAR is
+// 0).
 
 #constant SIMILAR = 1
 

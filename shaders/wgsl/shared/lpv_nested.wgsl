@@ -1,6 +1,6 @@
-// What of a point's light is a grid's: nothing of a finer one's beside its border, all of it farther in; the rest is of the
-// coarser one: render/src/lpv/grid.rs. NESTED says whether the grid is in a coarser one, FINER whether one is in it. Passes
-// bind `grid` and `finer`.
+// What of a point's light is a grid's: nothing of a finer one's beside its border, all of it farther in; the
+// rest is of the coarser one: render/src/lpv/grid.rs. NESTED says whether the grid is in a coarser one, FINER
+// whether one is in it. Passes bind `grid` and `finer`.
 
 #import uniforms/light_grid
 #constant FINER = 1

@@ -1,5 +1,5 @@
-// What of a cell lies in the medium's box, and eight points of it: render/src/lpv/injection.rs. Passes bind `grid` and
-// `medium`.
+// What of a cell lies in the medium's box, and eight points of it: render/src/lpv/injection.rs. Passes bind
+// `grid` and `medium`.
 
 #import shared/medium_span
 #constant MEDIUM = 2

@@ -1,5 +1,5 @@
-// Second moments of light, which three bands alone have (LOBES): render/src/lpv/moments.rs. In a state they come last, [kinds,
-// 5, cells], of red, green and blue in one. Passes bind `state`.
+// Second moments of light, which three bands alone have (LOBES): render/src/lpv/moments.rs. In a state they
+// come last, [kinds, 5, cells], of red, green and blue in one. Passes bind `state`.
 
 #import shared/lpv_grid
 #import shared/lpv_kinds
@@ -42,7 +42,8 @@ fn with_light(second: Second, energy: vec3f, direction: vec3f, mean: f32) -> Sec
     );
 }
 
-// Those of light of which flux and, last, energy are known, in columns, as if a matte surface had sent all that has a direction.
+// Those of light of which flux and, last, energy are known, in columns, as if a matte surface had sent all
+// that has a direction.
 fn second_begun(light: mat3x4f) -> Second {
     var second: Second;
     for (var c = 0u; c < 3u; c++) {

@@ -1,7 +1,8 @@
-// What surfels send into cells. Light begins in the cell before its surfel, half a cell along its normal, so that it lies
-// before what blocks; directed as Lambert's cosine is on average. Sums are in 64 bits of which 40 are behind the point, so
-// that their order does not matter: render/src/lpv/injection.rs. Passes bind `grid` and `light`, [cells, 3, 4, 2]: flux
-// and energy of each colour, watts over the area of a cell's face, so that what they hold does not hang on the scene's size.
+// What surfels send into cells. Light begins in the cell before its surfel, half a cell along its normal, so
+// that it lies before what blocks; directed as Lambert's cosine is on average. Sums are in 64 bits of which
+// 40 are behind the point, so that their order does not matter: render/src/lpv/injection.rs. Passes bind
+// `grid` and `light`, [cells, 3, 4, 2]: flux and energy of each colour, watts over the area of a cell's face,
+// so that what they hold does not hang on the scene's size.
 
 #import shared/lpv_grid
 

@@ -23,7 +23,8 @@ fn density_inside(point: vec3f) -> f32 {
     return mix(mix(x00, x10, part.y), mix(x01, x11, part.y), part.z);
 }
 
-// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else by so many points.
+// Density times length along a piece of a ray, metres: exact where density is the same everywhere, else by so
+// many points.
 fn passed_density(origin: vec3f, direction: vec3f, reach: f32, points: u32) -> f32 {
     let span = medium_span(origin, direction, reach);
     let length = max(span.y - span.x, 0.0);

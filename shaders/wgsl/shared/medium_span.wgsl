@@ -8,8 +8,8 @@ const GRID = 2u;
 // Beyond so many mean free paths nothing is seen of a medium that is the same throughout.
 const FARTHEST_DEPTH = 16.0;
 
-// The part of a ray, world space, that lies in the medium and of which anything is seen: from which distance to which; where
-// there is none, the second is no larger.
+// The part of a ray, world space, that lies in the medium and of which anything is seen: from which distance
+// to which; where there is none, the second is no larger.
 fn medium_span(origin: vec3f, direction: vec3f, reach: f32) -> vec2f {
     let extinction = medium.extinction.rgb;
     let farthest = FARTHEST_DEPTH / max(min(extinction.r, min(extinction.g, extinction.b)), 1e-12);

@@ -1,5 +1,5 @@
-// One output at a time, without an activation, cropped to the network's image: planar `[outputs, image_height,
-// image_width]`.
+// One output at a time, without an activation, cropped to the network's image: planar
+// `[outputs, image_height, image_width]`.
 
 const WEIGHTS = 4096u;
 

@@ -1,4 +1,5 @@
-// Reads the network's input, continued at bottom and right by its last row and column up to the layer's frame.
+// Reads the network's input, continued at bottom and right by its last row and column up to the layer's
+// frame.
 
 #import shared/net_window
 

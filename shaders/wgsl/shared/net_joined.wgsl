@@ -1,8 +1,8 @@
-// Convolves the concatenation of two images that is never stored: the coarser level, doubled bilinearly on the way
-// (pixel centres at halves, the edge continued outwards), and the same level's layer on the way down.
+// Convolves the concatenation of two images that is never stored: the coarser level, doubled bilinearly on
+// the way (pixel centres at halves, the edge continued outwards), and the same level's layer on the way down.
 //
-// A doubled pixel is 3/4 the coarse pixel in which it lies and 1/4 the next one on the side towards which it lies, so
-// along an axis coarse pixels m0, m1, m2, ... become
+// A doubled pixel is 3/4 the coarse pixel in which it lies and 1/4 the next one on the side towards which it
+// lies, so along an axis coarse pixels m0, m1, m2, ... become
 //     3/4 m0 + 1/4 m1, 1/4 m0 + 3/4 m1, 3/4 m1 + 1/4 m2, 1/4 m1 + 3/4 m2, ...
 // Where RADIUS is odd a kernel begins with the first of these, where it is even with the second.
 

@@ -1,12 +1,12 @@
 // One layer of a network (thesis 7.3.2): what every pass of it shares.
 //
-// Channels go four by four: a texel holds four channels of a pixel, an array layer of a texture four channels of all
-// pixels. An invocation makes some outputs (a Sum) of a square of 2x2 pixels, so that it reads a weight once for four
-// pixels, and has at hand what 2x2 pooling needs.
+// Channels go four by four: a texel holds four channels of a pixel, an array layer of a texture four channels
+// of all pixels. An invocation makes some outputs (a Sum) of a square of 2x2 pixels, so that it reads a
+// weight once for four pixels, and has at hand what 2x2 pooling needs.
 //
-// Loops go over blocks of four inputs and over rows of the kernel, so that a driver's compiler ends in time. A row is
-// written out for the largest kernel, and what KERNEL makes superfluous falls away: an array indexed by a loop's
-// counter would lie in memory instead of registers, which takes twice the time on lavapipe.
+// Loops go over blocks of four inputs and over rows of the kernel, so that a driver's compiler ends in time.
+// A row is written out for the largest kernel, and what KERNEL makes superfluous falls away: an array indexed
+// by a loop's counter would lie in memory instead of registers, which takes twice the time on lavapipe.
 
 #import uniforms/net_layer
 #constant KERNEL = 3
@@ -18,8 +18,8 @@ alias Row = array<vec4<f32>, 8>;
 // Upper left, upper right, lower left, lower right.
 alias Sums = array<Sum, 4>;
 
-// What a group of outputs reads: first block of four inputs and number of blocks, of the image that the layer reads
-// and, where it joins two, of the second one; and what its sums begin with.
+// What a group of outputs reads: first block of four inputs and number of blocks, of the image that the layer
+// reads and, where it joins two, of the second one; and what its sums begin with.
 struct Reads {
     first: u32,
     count: u32,
@@ -32,8 +32,8 @@ struct Reads {
 @group(0) @binding(1) var<storage, read> reads: array<Reads>;
 @group(0) @binding(2) var<uniform> weights: array<Weight, WEIGHTS>;
 
-// Whether a pixel of the layer's frame lies in it; around it are zeros. No `&&`, which browsers make branches of: those of
-// all that is inlined here take software adapters minutes to compile.
+// Whether a pixel of the layer's frame lies in it; around it are zeros. No `&&`, which browsers make branches
+// of: those of all that is inlined here take software adapters minutes to compile.
 fn inside(at: vec2<i32>) -> bool {
     return all((at >= vec2(0)) & (at < vec2(i32(layer.width), i32(layer.height))));
 }
@@ -52,7 +52,8 @@ fn add_tap(sums: ptr<function, Sums>, weight_at: u32, a: vec4<f32>, b: vec4<f32>
     (*sums)[3] += weighted(weight, d);
 }
 
-// Adds one row of the kernel; `up` and `low` are the rows that it covers of the upper and of the lower pixels.
+// Adds one row of the kernel; `up` and `low` are the rows that it covers of the upper and of the lower
+// pixels.
 fn add_row(sums: ptr<function, Sums>, weight: u32, up: Row, low: Row) {
     add_tap(sums, weight, up[0], up[1], low[0], low[1]);
     if (KERNEL > 1u) {

@@ -1,7 +1,7 @@
 // How unit vectors, radiance and ways are packed into words.
 
-// Octahedral map of the sphere onto [-1, 1]^2 (Cigolle et al. 2014, "A Survey of Efficient Representations for
-// Independent Unit Vectors").
+// Octahedral map of the sphere onto [-1, 1]^2 (Cigolle et al. 2014, "A Survey of Efficient Representations
+// for Independent Unit Vectors").
 fn to_octahedron(direction: vec3f) -> vec2f {
     let flat = direction.xy / (abs(direction.x) + abs(direction.y) + abs(direction.z));
     if direction.z >= 0.0 {
@@ -37,8 +37,8 @@ fn unpack_radiance(word: u32) -> vec3f {
     return vec3f(vec3u(word, word >> 9u, word >> 18u) & vec3u(511u)) * scale;
 }
 
-// Three signed components with eight bits and a sign each and one exponent of five: of ways up to 65,536 m, to 1/256 of
-// the longest component.
+// Three signed components with eight bits and a sign each and one exponent of five: of ways up to 65,536 m,
+// to 1/256 of the longest component.
 fn pack_way(way: vec3f) -> u32 {
     let largest = max(max(abs(way.x), abs(way.y)), max(abs(way.z), 0x1p-16));
     let exponent = clamp(floor(log2(largest)), -16.0, 15.0) + 1.0;

@@ -1,6 +1,6 @@
-// Which share of a light's rays reaches a point, by the depths that the light's maps hold: the mean of four texels
-// around it, each lit or not (Reeves, Salesin and Cook 1987). The point is lifted off its surface, so that surfaces do
-// not shade themselves: by what a texel covers there, more where light grazes.
+// Which share of a light's rays reaches a point, by the depths that the light's maps hold: the mean of four
+// texels around it, each lit or not (Reeves, Salesin and Cook 1987). The point is lifted off its surface, so
+// that surfaces do not shade themselves: by what a texel covers there, more where light grazes.
 
 #import shared/view
 #import uniforms/light_record

@@ -8,8 +8,8 @@
 
 const PI = 3.14159265;
 
-// Radiance that a metre of density 1 sends against `direction`, over its scattering coefficient. What is nearer to a lamp
-// than `nearest`, metres, gets what it would there.
+// Radiance that a metre of density 1 sends against `direction`, over its scattering coefficient. What is
+// nearer to a lamp than `nearest`, metres, gets what it would there.
 fn scattered_of(light: LightRecord, point: vec3f, direction: vec3f, nearest: f32) -> vec3f {
     let arrived = arrival(light, point);
     if all(arrived.irradiance == vec3f(0.0)) {

@@ -1,7 +1,7 @@
-// Slices of what a pixel's surface sees, marched through the g-buffer into bitmasks of cosine-weighted sectors.
-// What that means, and the plain version, is in render/src/methods/slices.rs. A pass that includes this says, in a
-// function `sent(index: u32, toward: vec3f) -> vec3f`, what the surface at a pixel sends to a receiver; `toward` is from
-// the receiver to it.
+// Slices of what a pixel's surface sees, marched through the g-buffer into bitmasks of cosine-weighted
+// sectors. What that means, and the plain version, is in render/src/methods/slices.rs. A pass that includes
+// this says, in a function `sent(index: u32, toward: vec3f) -> vec3f`, what the surface at a pixel sends to a
+// receiver; `toward` is from the receiver to it.
 
 #import shared/bounded
 #import shared/random
@@ -35,8 +35,8 @@ const PI = 3.14159265;
 // The sectors of a slice: the bits of a mask.
 const SECTORS = 32.0;
 
-// The normal in the plane of the direction to the eye and one across it: cosine and sine of its angle from the one
-// towards the other, the angle, and the length of its projection onto the plane.
+// The normal in the plane of the direction to the eye and one across it: cosine and sine of its angle from
+// the one towards the other, the angle, and the length of its projection onto the plane.
 struct Tilt {
     cosine: f32,
     sine: f32,
@@ -72,7 +72,8 @@ fn extent_of(tilt: Tilt) -> f32 {
     return tilt.cosine + tilt.angle * tilt.sine;
 }
 
-// The share of a slice's cosine-weighted directions before a unit direction in its half `across`; 1 at the horizon.
+// The share of a slice's cosine-weighted directions before a unit direction in its half `across`; 1 at the
+// horizon.
 fn place(direction: vec3f, to_eye: vec3f, across: vec3f, normal: vec3f, tilt: Tilt) -> f32 {
     if dot(direction, normal) <= 0.0 {
         return 1.0;
@@ -85,8 +86,8 @@ fn place(direction: vec3f, to_eye: vec3f, across: vec3f, normal: vec3f, tilt: Ti
     return clamp(before / extent_of(tilt), 0.0, 1.0);
 }
 
-// The sectors, from the middle of a slice outwards, that the surface at `at` covers, seen from `position`. It is
-// `thickness` thick along the ray from the eye, and ends at the radius.
+// The sectors, from the middle of a slice outwards, that the surface at `at` covers, seen from `position`. It
+// is `thickness` thick along the ray from the eye, and ends at the radius.
 fn covered_by(at: vec3f, position: vec3f, normal: vec3f, to_eye: vec3f, jitter: f32) -> u32 {
     let toward = at - position;
     let distance = length(toward);

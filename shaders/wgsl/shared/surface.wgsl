@@ -1,4 +1,5 @@
-// What the g-buffer knows of the surface seen at each pixel: planes [channels, height, width], camera space, metres.
+// What the g-buffer knows of the surface seen at each pixel: planes [channels, height, width], camera space,
+// metres.
 
 @group(0) @binding(1) var<storage, read> position_planes: array<f32>;
 @group(0) @binding(2) var<storage, read> normal_planes: array<f32>;

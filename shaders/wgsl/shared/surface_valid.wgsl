@@ -1,4 +1,5 @@
-// Whether a surface is seen at a pixel, by the g-buffer's mask, [height, width], or one that tells kinds of surfaces apart.
+// Whether a surface is seen at a pixel, by the g-buffer's mask, [height, width], or one that tells kinds of
+// surfaces apart.
 
 @group(0) @binding(3) var<storage, read> valid_plane: array<f32>;
 

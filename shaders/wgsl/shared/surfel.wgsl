@@ -1,8 +1,8 @@
 // Surfels of a frame, and the tree over them (thesis 4.2.1).
 
 const PI = 3.14159265;
-// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children. The root is
-// at HEIGHT.
+// Leaves of the tree hold so many surfels that lie one after the other; each node above has four children.
+// The root is at HEIGHT.
 const LEAF = 16u;
 
 // What a frame's surfels are, and the workgroups of passes that run over them.

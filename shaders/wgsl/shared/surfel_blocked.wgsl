@@ -1,5 +1,5 @@
-// What a surfel takes from a point of the environment's light, irradiance over pi: the radiance from behind its middle
-// times its form factor.
+// What a surfel takes from a point of the environment's light, irradiance over pi: the radiance from behind
+// its middle times its form factor.
 
 #import shared/environment
 #import shared/environment_height

@@ -1,5 +1,5 @@
-// By how much a surfel faces where a way to its middle comes from: its cosine times the way's length. Of closed
-// surfaces only fronts count.
+// By how much a surfel faces where a way to its middle comes from: its cosine times the way's length. Of
+// closed surfaces only fronts count.
 #import shared/surfel_record
 
 fn surfel_facing(surfel: Surfel, way: vec3f) -> f32 {

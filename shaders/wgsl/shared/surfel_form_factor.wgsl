@@ -1,5 +1,5 @@
-// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to the disk's
-// middle, and `squared` is its length squared.
+// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to
+// the disk's middle, and `squared` is its length squared.
 #import shared/surfel_facing
 #import shared/surfel_record
 

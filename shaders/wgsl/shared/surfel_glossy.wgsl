@@ -1,6 +1,6 @@
-// What of a surfel's light the lobe of a glossy surface would reflect to the eye if it reflected as much at every angle
-// as at the eye's: radiance over that colour. It is as much wider as what the surfel stands for looks large, whose
-// light comes from all of it.
+// What of a surfel's light the lobe of a glossy surface would reflect to the eye if it reflected as much at
+// every angle as at the eye's: radiance over that colour. It is as much wider as what the surfel stands for
+// looks large, whose light comes from all of it.
 
 #import shared/gloss
 #import shared/lobe
@@ -23,11 +23,12 @@ fn receiver_at(at: u32, pixels: u32) -> Receiver {
     return Receiver(position, select(0.0, level.reach, surface_valid(at) && is_seen(lobe)), lobe);
 }
 
-// The variance of an even disk's slopes is a fourth of its radius squared; facets turn half as far as what they mirror;
-// and alpha squared is twice a variance.
+// The variance of an even disk's slopes is a fourth of its radius squared; facets turn half as far as what
+// they mirror; and alpha squared is twice a variance.
 const WIDER = 0.125;
 
-// By how much more of light is reflected that a facet mirrors than of what the normal would; of what is black as much.
+// By how much more of light is reflected that a facet mirrors than of what the normal would; of what is black
+// as much.
 fn tint(lobe: Lobe, facet: vec3f) -> vec3f {
     let usual = fresnel(lobe, lobe.normal);
     return select(vec3f(1.0), fresnel(lobe, facet) / usual, usual > vec3f(0.0));

@@ -12,8 +12,8 @@ fn share_begin(index: u32) -> u32 {
     return index * (totals.wanted / room) + ((index * rest) >> 12u);
 }
 
-// The surfel of all that are wanted which is the one of that index of those for which there is room: a random one of
-// its share, since there may be a pattern in them.
+// The surfel of all that are wanted which is the one of that index of those for which there is room: a random
+// one of its share, since there may be a pattern in them.
 fn chosen(index: u32) -> u32 {
     if totals.wanted <= LEAF << (2u * HEIGHT) {
         return index;

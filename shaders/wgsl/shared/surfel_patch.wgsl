@@ -21,8 +21,8 @@ struct Laid {
     radius: f32,
 }
 
-// r* = s tan(alpha / 2) (d + d_near) with the unsigned distance to the near plane (thesis 4.2.1), so that what is
-// behind the camera has surfels too, but no more than MOST.
+// r* = s tan(alpha / 2) (d + d_near) with the unsigned distance to the near plane (thesis 4.2.1), so that
+// what is behind the camera has surfels too, but no more than MOST.
 fn target_radius(depth: f32, area: f32) -> f32 {
     let radius = settings.slope * (abs(depth - settings.near) + settings.near);
     return max(radius, sqrt(area / (PI * MOST)));

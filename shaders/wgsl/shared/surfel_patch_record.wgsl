@@ -1,10 +1,10 @@
-// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much larger
-// than what is seen as one distance.
+// Patches: equal parts of a triangle, four times as many with each halving of its edges, so that none is much
+// larger than what is seen as one distance.
 
 struct Patch {
     corners: array<u32, 3>,
-    // Halvings in the upper four bits; below them, 1 where the surface is open; nine bits of coverage; in the lower
-    // eighteen, two bits a halving, which quarter.
+    // Halvings in the upper four bits; below them, 1 where the surface is open; nine bits of coverage; in the
+    // lower eighteen, two bits a halving, which quarter.
     part: u32,
     // Eleven, eleven and ten bits of the root of red, green and blue.
     colour: u32,

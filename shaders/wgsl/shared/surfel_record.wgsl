@@ -1,13 +1,13 @@
-// Surfels: disks that stand for a scene's surface (thesis 4.2.1), in camera space, metres; 16 bytes each, since there
-// may be a million. The same in Rust is render/src/surfels/surfel.rs.
+// Surfels: disks that stand for a scene's surface (thesis 4.2.1), in camera space, metres; 16 bytes each,
+// since there may be a million. The same in Rust is render/src/surfels/surfel.rs.
 
 #import shared/packing
 
 struct Surfel {
     // Where its middle is.
     place: vec3f,
-    // From the lowest bit on: its unit normal, octahedral, ten bits and ten; 1 where the surface is open, so that its
-    // back is seen too; the bits of its radius.
+    // From the lowest bit on: its unit normal, octahedral, ten bits and ten; 1 where the surface is open, so
+    // that its back is seen too; the bits of its radius.
     disk: u32,
 }
 

@@ -1,4 +1,5 @@
-// What surfels are known to send by what falls on their front and back: what they reflect diffusely on either side.
+// What surfels are known to send by what falls on their front and back: what they reflect diffusely on either
+// side.
 #import shared/packing
 #import shared/surfel
 #import shared/surfel_patch_record

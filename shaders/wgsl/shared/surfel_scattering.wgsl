@@ -1,6 +1,6 @@
-// What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its light,
-// for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times its area; and that
-// share. What lies on the point's side of the body apart from what lies on the other.
+// What a surfel gives a point through the body below both (thesis 4.3, "Multiple Scattering"): a share of its
+// light, for red, green and blue apart, by the profile of Christensen and Burley 2015 at its distance times
+// its area; and that share. What lies on the point's side of the body apart from what lies on the other.
 
 #import shared/packing
 #import shared/surface
@@ -14,8 +14,8 @@
 // Beyond so many lengths less than a thousandth of the profile is left: 3 exp(-r / (3 d)) / 4.
 const SUPPORT = 19.9;
 
-// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and over the
-// height above it, that what lies in a plane or a hollow is.
+// A closed surface is met from within if that is so from below the pixel's: so far, over the distance, and
+// over the height above it, that what lies in a plane or a hollow is.
 const BELOW_PLANE = 0.02;
 const BELOW_HOLLOW = 3.0;
 
@@ -42,8 +42,8 @@ fn nothing() -> mat4x3f {
     return mat4x3f(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
-// The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does not enter,
-// 0.
+// The profile (exp(-r / d) + exp(-r / (3 d))) / (8 pi d r) times the area of a disk; of a colour that does
+// not enter, 0.
 fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     let d = max(scales, vec3f(1e-20));
     let slow = exp(-distance / (3.0 * d));
@@ -51,8 +51,8 @@ fn profile_share(radius: f32, distance: f32, scales: vec3f) -> vec3f {
     return select(vec3f(0.0), share, scales > vec3f(0.0));
 }
 
-// What of a surfel lies on the other side of a receiver's body: of a closed one what faces another way, of sheets, whose
-// triangles may face either, what lies below the receiver by more than it is large.
+// What of a surfel lies on the other side of a receiver's body: of a closed one what faces another way, of
+// sheets, whose triangles may face either, what lies below the receiver by more than it is large.
 fn far_share(surfel: Surfel, normal: vec3f, way: vec3f, receiver: Receiver) -> f32 {
     let averted = 0.5 - 2.0 * dot(receiver.normal, normal);
     let below = -dot(way, receiver.normal) / max(surfel_radius(surfel), 1e-20) - 0.5;

@@ -1,5 +1,5 @@
-// A walk through the tree over surfels, from left to right, to the leaves that may matter to a `Query`: those whose
-// nodes, and all above, it `reaches`. Both are the pass's.
+// A walk through the tree over surfels, from left to right, to the leaves that may matter to a `Query`: those
+// whose nodes, and all above, it `reaches`. Both are the pass's.
 
 #import shared/surfel
 
@@ -23,8 +23,8 @@ fn goes_on(walk: Walk) -> bool {
     return (walk.height < HEIGHT || walk.index == 0u) && first_surfel(walk.height, walk.index) < totals.kept;
 }
 
-// From a place on, the first node of the height `leaves` that matters, if the walk goes on there. A loop of its own, so
-// that all invocations of a workgroup look at leaves together.
+// From a place on, the first node of the height `leaves` that matters, if the walk goes on there. A loop of
+// its own, so that all invocations of a workgroup look at leaves together.
 fn next_leaf(start: Walk, leaves: u32, query: Query) -> Walk {
     var walk = start;
     while goes_on(walk) {

@@ -7,8 +7,9 @@ fn mean_transmittance(passed: f32) -> f32 {
     return exp(-dot(medium.extinction.rgb, vec3f(1.0 / 3.0)) * passed);
 }
 
-// The transmittance down to which a sample is: 1 for the first, the least for the last, evenly between, moved by a random
-// part of an interval. (The paper counts from 1 and divides i, not i - 1, by n - 1, so that the first would not be at 1.)
+// The transmittance down to which a sample is: 1 for the first, the least for the last, evenly between, moved
+// by a random part of an interval. (The paper counts from 1 and divides i, not i - 1, by n - 1, so that the
+// first would not be at 1.)
 fn threshold(sample: u32, least: f32, offset: f32) -> f32 {
     let inner = 1.0 - (f32(sample) - offset) * (1.0 - least) / f32(SAMPLES - 1u);
     return select(select(inner, least, sample == SAMPLES - 1u), 1.0, sample == 0u);

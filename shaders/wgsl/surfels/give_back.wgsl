@@ -1,5 +1,6 @@
-// What surfels send of light that their patches kept (thesis, equation 8.3), in 2^(128 - UNIT) W/m²/sr: packed radiance ends at
-// 2^-24, and what is kept for long is fainter. What the inside of a closed body gives back stays in it.
+// What surfels send of light that their patches kept (thesis, equation 8.3), in 2^(128 - UNIT) W/m²/sr:
+// packed radiance ends at 2^-24, and what is kept for long is fainter. What the inside of a closed body gives
+// back stays in it.
 
 #import shared/packing
 #import shared/surfel

@@ -1,5 +1,5 @@
-// Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"), in a
-// buffer of its own: `sent_of` says what is kept of it.
+// Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"),
+// in a buffer of its own: `sent_of` says what is kept of it.
 
 #import shared/lights
 #import shared/shadow

@@ -1,7 +1,8 @@
-// How many surfels each patch gets: its area over that of a surfel, where it may matter to what is seen. The last
-// surfel of a patch stands for what remains and grows from nothing as the camera comes closer; of patches smaller than
-// a surfel one in so many has one, which grows too. So nothing pops up, and the mean of the surfels' area is the
-// patches'. The paper's two passes, fine surfels and discarding (thesis 4.2.1), in one.
+// How many surfels each patch gets: its area over that of a surfel, where it may matter to what is seen. The
+// last surfel of a patch stands for what remains and grows from nothing as the camera comes closer; of
+// patches smaller than a surfel one in so many has one, which grows too. So nothing pops up, and the mean of
+// the surfels' area is the patches'. The paper's two passes, fine surfels and discarding (thesis 4.2.1), in
+// one.
 
 #import shared/surfel
 #import shared/surfel_patch
@@ -17,8 +18,8 @@
 @group(0) @binding(4) var<storage, read_write> amounts: array<f32>;
 @group(0) @binding(5) var<storage, read_write> counts: array<u32>;
 
-// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising above it,
-// and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
+// The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising
+// above it, and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
 fn roulette(share: f32, threshold: f32) -> f32 {
     let chance = (1.0 + RISE) * share;
     let above = chance / max(threshold, 1e-9);
@@ -31,8 +32,8 @@ fn roulette(share: f32, threshold: f32) -> f32 {
     return share * size / (chance * mean);
 }
 
-// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same share has a
-// surfel.
+// Steps of the golden ratio: of patches that follow one another, and so lie together, always about the same
+// share has a surfel.
 fn threshold(index: u32) -> f32 {
     return f32((index * 2654435769u) >> 8u) * 0x1p-24;
 }

@@ -1,6 +1,7 @@
-// Puts each surfel into its patch: along a sequence that fills it evenly, whatever its length (Roberts 2018, "The
-// Unreasonable Effectiveness of Quasirandom Sequences"), so that surfels stay where they are when more are added. The
-// triangle's corners are moved inwards by a surfel's radius, so that disks do not stand over its edges (thesis 4.2.1).
+// Puts each surfel into its patch: along a sequence that fills it evenly, whatever its length (Roberts 2018,
+// "The Unreasonable Effectiveness of Quasirandom Sequences"), so that surfels stay where they are when more
+// are added. The triangle's corners are moved inwards by a surfel's radius, so that disks do not stand over
+// its edges (thesis 4.2.1).
 
 #import shared/random
 #import shared/surfel

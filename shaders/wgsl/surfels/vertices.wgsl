@@ -1,5 +1,6 @@
-// Where vertices are in camera space, without what else is known of them. Passes over a scene's surface bind all places
-// at once; what is drawn may be more than a binding holds, so that this pass runs over a part of it at a time.
+// Where vertices are in camera space, without what else is known of them. Passes over a scene's surface bind
+// all places at once; what is drawn may be more than a binding holds, so that this pass runs over a part of
+// it at a time.
 
 #import shared/view
 #import uniforms/frame_view

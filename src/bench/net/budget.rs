@@ -1,6 +1,6 @@
-//! Which network fits into so many milliseconds: of those like the paper's with other numbers of kernels and levels, the
-//! one with the most multiply-adds whose fastest run takes at most so long. What measured layers predict only spares the
-//! runs of networks that are far too large.
+//! Which network fits into so many milliseconds: of those like the paper's with other numbers of kernels and
+//! levels, the one with the most multiply-adds whose fastest run takes at most so long. What measured layers
+//! predict only spares the runs of networks that are far too large.
 
 use super::rivals::WAKING;
 use super::subjects::{self, random};
@@ -115,9 +115,10 @@ struct Candidate {
     multiply_adds: u64,
 }
 
-/// The candidate with the most multiply-adds whose run takes at most `budget` milliseconds, with what it took. Those
-/// predicted to take more than [`SLACK`] times as long are not run. For the same predictions and times a greater budget
-/// never gives a smaller network, since whatever fits into the smaller one is also tried with the greater.
+/// The candidate with the most multiply-adds whose run takes at most `budget` milliseconds, with what it
+/// took. Those predicted to take more than [`SLACK`] times as long are not run. For the same predictions and
+/// times a greater budget never gives a smaller network, since whatever fits into the smaller one is also
+/// tried with the greater.
 ///
 /// # Errors
 /// If a run fails, or none fits.
@@ -156,7 +157,8 @@ fn multiply_adds(spec: &NetSpec, [width, height]: [usize; 2]) -> u64 {
 
 /// What the runs of a network came to.
 struct Timed {
-    /// Milliseconds of the fastest run, since what else the machine does only adds to it; all colour channels together.
+    /// Milliseconds of the fastest run, since what else the machine does only adds to it; all colour channels
+    /// together.
     milliseconds: f64,
     engine: &'static str,
     device: String,
@@ -176,7 +178,8 @@ fn timed(gpu: &Gpu, tried: &Candidate, [width, height]: [usize; 2]) -> Result<Ti
     Ok(Timed { milliseconds, engine: engine.name(), device: engine.device() })
 }
 
-/// Milliseconds of a layer as a sum of shares of its multiply-adds, of the numbers that it moves, and of a constant.
+/// Milliseconds of a layer as a sum of shares of its multiply-adds, of the numbers that it moves, and of a
+/// constant.
 #[derive(Clone, Copy, Debug)]
 struct CostModel(DVec3);
 

@@ -1,7 +1,8 @@
 //! `deepshade bench net`: the paper's networks in WGSL and on the CPU beside onnxruntime and PyTorch.
 //!
-//! All work on random images in memory of their own; what is not measured is the way there and back. On a machine
-//! whose adapter is software, all use the same processor. PyTorch's form of a network is held against ours first.
+//! All work on random images in memory of their own; what is not measured is the way there and back. On a
+//! machine whose adapter is software, all use the same processor. PyTorch's form of a network is held against
+//! ours first.
 
 mod budget;
 mod layers;
@@ -56,7 +57,8 @@ pub struct Args {
     /// Effects whose networks are measured; by default all of the paper's Table 7.1.
     #[arg(long, value_delimiter = ',')]
     networks: Vec<Effect>,
-    /// Folder of trained networks, each in a folder with its effect's name [default: models, where there is one]
+    /// Folder of trained networks, each in a folder with its effect's name [default: models, where there is
+    /// one]
     #[arg(long)]
     models: Option<PathBuf>,
     /// Sizes of the images, columns x rows.
@@ -74,8 +76,8 @@ pub struct Args {
     /// Times of every layer too, in WGSL and on the CPU.
     #[arg(long)]
     layers: bool,
-    /// Finds the largest network of the effect's kind that takes at most so many milliseconds, all colour channels
-    /// together; see below.
+    /// Finds the largest network of the effect's kind that takes at most so many milliseconds, all colour
+    /// channels together; see below.
     #[arg(long, value_name = "MILLISECONDS", value_parser = crate::arguments::positive,
         conflicts_with_all = ["models", "seconds", "runs", "layers", "onnxruntime", "python", "page"])]
     budget: Option<f32>,
@@ -94,8 +96,8 @@ pub struct Args {
 /// Measures and prints.
 ///
 /// # Errors
-/// If a model cannot be read, the GPU fails, an onnxruntime that is named is none, or an engine did not run; what the
-/// others took is printed and written before.
+/// If a model cannot be read, the GPU fails, an onnxruntime that is named is none, or an engine did not run;
+/// what the others took is printed and written before.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     // Everything on the processor has as many threads as its rivals.
@@ -241,8 +243,8 @@ impl Bench {
     }
 }
 
-/// Bytes of the feature maps of ao at 1920x1080 in the kernels for graphics cards, in half floats where the device has
-/// them.
+/// Bytes of the feature maps of ao at 1920x1080 in the kernels for graphics cards, in half floats where the
+/// device has them.
 fn ao_bytes(gpu: &Gpu, subjects: &[MeasuredNetwork]) -> Result<Option<u64>> {
     let Some(subject) = subjects.iter().find(|subject| subject.model.spec.effect == Effect::Ao) else {
         return Ok(None);

@@ -23,8 +23,8 @@ impl Peaks {
         Ok(Self { adapter: gpu::ceilings(&gpu.device, &gpu.queue)?, processor: of_processor() })
     }
 
-    /// Says of every measurement which share of its device's peak it reached. A peak that was exceeded was taken in a bad
-    /// moment, and is measured once more; what is above it still kept its numbers in caches.
+    /// Says of every measurement which share of its device's peak it reached. A peak that was exceeded was
+    /// taken in a bad moment, and is measured once more; what is above it still kept its numbers in caches.
     pub fn set_shares(&mut self, gpu: &Gpu, made: &mut [Measurement]) {
         let again = || gpu::ceilings(&gpu.device, &gpu.queue).ok();
         set_shares(Device::Adapter, &mut self.adapter, made, again);

@@ -191,7 +191,8 @@ impl Race<'_> {
     }
 }
 
-/// The ways of keeping feature maps that are measured on a device: half floats bring nothing on the processor.
+/// The ways of keeping feature maps that are measured on a device: half floats bring nothing on the
+/// processor.
 fn precisions(gpu: &Gpu) -> Vec<(&'static str, Precision)> {
     let single = ("wgsl", Precision::F32);
     match layers::half_where_there_is(gpu) {

@@ -22,12 +22,12 @@ pub struct MeasuredNetwork {
     pub trained: bool,
 }
 
-/// The networks of some effects, or of all that the paper has one for: the trained ones of a folder, by default
-/// [`MODELS`], others with random weights, whose files are written to `scratch`.
+/// The networks of some effects, or of all that the paper has one for: the trained ones of a folder, by
+/// default [`MODELS`], others with random weights, whose files are written to `scratch`.
 ///
 /// # Errors
-/// If the paper has no network for an effect, a file cannot be read or written, or a folder that was named has none of
-/// them.
+/// If the paper has no network for an effect, a file cannot be read or written, or a folder that was named
+/// has none of them.
 pub fn subjects(effects: &[Effect], models: Option<&Path>, scratch: &Path) -> Result<Vec<MeasuredNetwork>> {
     let published: Vec<Effect> = Effect::ALL.into_iter().filter(|effect| spec(*effect).is_some()).collect();
     let effects = if effects.is_empty() { &published } else { effects };

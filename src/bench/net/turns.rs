@@ -41,8 +41,8 @@ pub fn in_turns<'a>(
     engines.into_iter().map(|(name, engine)| (name, engine.map(timing))).collect()
 }
 
-/// A turn of an engine. It begins with a pause, since onnxruntime's threads wait for more work by spinning, and with a run
-/// that does not count.
+/// A turn of an engine. It begins with a pause, since onnxruntime's threads wait for more work by spinning,
+/// and with a run that does not count.
 fn turn(work: &mut Work<'_>, effort: Effort, times: &mut Vec<f64>) -> Result<()> {
     std::thread::sleep(PAUSE);
     work()?;

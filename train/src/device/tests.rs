@@ -1,4 +1,5 @@
-//! Every operation of the device against the same written with tensors, on burn's `flex`: outputs and all gradients.
+//! Every operation of the device against the same written with tensors, on burn's `flex`: outputs and all
+//! gradients.
 
 use super::ops::{convolve, convolve_joined, filtered};
 use crate::plain;
@@ -38,7 +39,8 @@ fn assert_close<const D: usize>(what: &str, made: &Tensor<D>, expected: &Tensor<
     }
 }
 
-/// Output and gradients of a sum over the output that depends on every element differently (a gradient begins with ones).
+/// Output and gradients of a sum over the output that depends on every element differently (a gradient begins
+/// with ones).
 fn traced<const N: usize>(
     device: &Device,
     leaves: [Tensor<4>; N],
@@ -208,8 +210,8 @@ fn assert_differences<const N: usize>(
 
 #[test]
 fn gradients_are_those_of_finite_differences() {
-    // Differences are exact but for rounding where no sum changes its sign: without a leak the operation is linear,
-    // and a bias beyond all sums keeps them on one side of the leaky ReLU.
+    // Differences are exact but for rounding where no sum changes its sign: without a leak the operation is
+    // linear, and a bias beyond all sums keeps them on one side of the leaky ReLU.
     let flat = |bias: Tensor<4>| bias.reshape([4]);
     for (leak, offset) in [(1.0, 0.0), (0.1, 30.0), (0.1, -30.0)] {
         let bias = noise([4, 1, 1, 1], 4) + offset;

@@ -1,5 +1,5 @@
-//! From a training run to a model folder: `weights.safetensors`, `net.json`, `parity.safetensors`, `model.onnx` and
-//! `card.md`.
+//! From a training run to a model folder: `weights.safetensors`, `net.json`, `parity.safetensors`,
+//! `model.onnx` and `card.md`.
 
 mod card;
 pub mod onnx;
@@ -24,12 +24,13 @@ pub const CARD_FILE: &str = "card.md";
 /// Height and width of the image that a runtime is checked with: neither even nor square.
 const PARITY_SIZE: [usize; 2] = [75, 101];
 
-/// Exports the best of a run's validated networks into a model folder, in which only its own files are replaced. Killed
-/// at any moment, the folder holds the old model, the new one, or none that loads, and never a mixture.
+/// Exports the best of a run's validated networks into a model folder, in which only its own files are
+/// replaced. Killed at any moment, the folder holds the old model, the new one, or none that loads, and never
+/// a mixture.
 ///
 /// # Errors
-/// If the run has no checkpoint, none of its networks was validated, or a file cannot be read or written; an older model
-/// is then still there, unless the new one's files cannot be moved to where its own are.
+/// If the run has no checkpoint, none of its networks was validated, or a file cannot be read or written; an
+/// older model is then still there, unless the new one's files cannot be moved to where its own are.
 pub fn export(run: &Path, folder: &Path, facts: &Facts) -> Result<Model, TrainError> {
     let config = TrainConfig::load(run)?;
     let Some(checkpoint) = Checkpoint::load(run, &config.spec)? else {

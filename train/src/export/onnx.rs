@@ -1,6 +1,7 @@
 //! The network as an ONNX file, operator set 17, batch, height and width free.
 //!
-//! Padding to the network's alignment and cropping back are part of the graph, so that it runs on images of any size.
+//! Padding to the network's alignment and cropping back are part of the graph, so that it runs on images of
+//! any size.
 
 mod head;
 
@@ -51,8 +52,8 @@ pub fn encode(model: &Model) -> Vec<u8> {
     model_proto(spec, graph).encode_to_vec()
 }
 
-/// The bytes of an ONNX file that gives beside the image what every layer makes, in their order: for finding the layer
-/// in which two runtimes part. The last layer's output is the image itself.
+/// The bytes of an ONNX file that gives beside the image what every layer makes, in their order: for finding
+/// the layer in which two runtimes part. The last layer's output is the image itself.
 ///
 /// # Errors
 /// If `file` is no ONNX file.

@@ -1,4 +1,5 @@
-//! The few messages of the ONNX format that a network needs, with the field numbers of `onnx.proto` (ONNX 1.12,
+//! The few messages of the ONNX format that a network needs, with the field numbers of `onnx.proto` (ONNX
+//! 1.12,
 //! <https://github.com/onnx/onnx/blob/v1.12.0/onnx/onnx.proto>).
 
 use prost::{Message, Oneof};

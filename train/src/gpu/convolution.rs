@@ -1,6 +1,7 @@
 //! A grouped convolution with zero padding, stride 1, bias and leaky ReLU, and its gradient by what it reads.
 //!
-//! A unit makes a pixel of a block of output channels. All images are `[batch, channels, height, width]`, all weights `[outputs, inputs / groups, kernel, kernel]`.
+//! A unit makes a pixel of a block of output channels. All images are `[batch, channels, height, width]`, all
+//! weights `[outputs, inputs / groups, kernel, kernel]`.
 
 use super::Gpu;
 use super::launch::{buffer, cubes, dims, divisor, each, empty, units};
@@ -21,7 +22,8 @@ pub struct ConvConfig {
     pub block: usize,
     /// Height and width of the kernels.
     pub kernel: usize,
-    /// Whether it carries gradients back: weights are those of the convolution from outputs to inputs, and there is no bias.
+    /// Whether it carries gradients back: weights are those of the convolution from outputs to inputs, and
+    /// there is no bias.
     pub transposed: bool,
 }
 

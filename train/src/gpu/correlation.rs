@@ -57,8 +57,9 @@ pub fn weight_gradient(x: &Gpu, gradient: &Gpu, weight: &Gpu) -> [Gpu; 2] {
     [by_weight, summed(empty(x, [all_outputs]), weights)]
 }
 
-/// Sums of products of `gradient` and the pixels of `source` under each weight, and of `gradient` alone: rows of weights, then biases,
-/// one a plane of units. Cubes along x share the pixels of all images, along y are blocks of outputs of all groups, along z inputs.
+/// Sums of products of `gradient` and the pixels of `source` under each weight, and of `gradient` alone: rows
+/// of weights, then biases, one a plane of units. Cubes along x share the pixels of all images, along y are
+/// blocks of outputs of all groups, along z inputs.
 #[cube(launch)]
 fn correlation(
     source: &[f32],

@@ -1,4 +1,5 @@
-//! The filter of [`deepshade_infer::filter`] and its gradient by what the last convolution makes. A unit makes a pixel.
+//! The filter of [`deepshade_infer::filter`] and its gradient by what the last convolution makes. A unit
+//! makes a pixel.
 
 use super::Gpu;
 use super::launch::{buffer, cubes, dims, empty, units};
@@ -25,8 +26,8 @@ impl FilterConfig {
     }
 }
 
-/// The filter's image of what the last convolution `made`, `[batch, weights, height, width]`, and of the light's pyramid, `[batch,
-/// channels, pixels of all levels]`.
+/// The filter's image of what the last convolution `made`, `[batch, weights, height, width]`, and of the
+/// light's pyramid, `[batch, channels, pixels of all levels]`.
 pub fn filtered(filter: Filter, made: &Gpu, pyramid: &Gpu) -> Gpu {
     let [batch, _, height, width] = dims(made);
     let config = FilterConfig::new(filter, pyramid);
@@ -111,7 +112,8 @@ fn weighted_sum(
     }
 }
 
-/// Units along x are pixels, along y images. Until a pixel's last loop `by_made` has its gradients by weights.
+/// Units along x are pixels, along y images. Until a pixel's last loop `by_made` has its gradients by
+/// weights.
 #[cube(launch)]
 fn weights_gradient(
     made: &[f32],
@@ -151,7 +153,8 @@ fn weights_gradient(
             }
             level_at += area >> comptime!(2 * level as u32) as usize;
         }
-        // The gradient of a softmax: a weight times its own gradient less their mean. Black adds nothing to the image: its own is 0.
+        // The gradient of a softmax: a weight times its own gradient less their mean. Black adds nothing to
+        // the image: its own is 0.
         for weight in 0..weights {
             let at = first + weight * area;
             let mut by_weight = 0.0f32.runtime();

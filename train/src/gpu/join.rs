@@ -1,4 +1,5 @@
-//! Doubling an image bilinearly and putting it together with one of that size, group by group, and its gradients.
+//! Doubling an image bilinearly and putting it together with one of that size, group by group, and its
+//! gradients.
 
 use super::Gpu;
 use super::launch::{buffer, cubes, dims, empty, units};
@@ -20,7 +21,8 @@ impl JoinConfig {
     }
 }
 
-/// In each of so many groups a share of `coarse`, doubled (half-pixel centres, edges replicated), then a share of `fine`.
+/// In each of so many groups a share of `coarse`, doubled (half-pixel centres, edges replicated), then a
+/// share of `fine`.
 pub fn join(coarse: &Gpu, fine: &Gpu, groups: usize) -> Gpu {
     let [batch, channels, height, width] = dims(fine);
     let channels = channels + dims::<4>(coarse)[1];
@@ -130,7 +132,8 @@ fn fine_gradient(gradient: &[f32], fine: &mut [f32], area: u32, groups: u32, #[c
     }
 }
 
-/// Sums over the children of every pixel of the coarse image. Units along x are its pixels, along y its channels, along z images.
+/// Sums over the children of every pixel of the coarse image. Units along x are its pixels, along y its
+/// channels, along z images.
 #[cube(launch)]
 fn coarse_gradient(
     gradient: &[f32],
@@ -165,7 +168,8 @@ fn coarse_gradient(
     }
 }
 
-/// How much of a value one of the four children that it reaches has. Beyond an edge a child counts for the one at the edge.
+/// How much of a value one of the four children that it reaches has. Beyond an edge a child counts for the
+/// one at the edge.
 const fn share(child: usize) -> f32 {
     if child == 1 || child == 2 { 0.75 } else { 0.25 }
 }

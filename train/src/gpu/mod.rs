@@ -1,9 +1,10 @@
-//! The network's steps on a GPU, as a backend extension of burn's CubeCL backends: convolution with bias and leaky ReLU, doubling
-//! with concatenation, and the filter by predicted kernels, each as one operation with one gradient.
+//! The network's steps on a GPU, as a backend extension of burn's CubeCL backends: convolution with bias and
+//! leaky ReLU, doubling with concatenation, and the filter by predicted kernels, each as one operation with
+//! one gradient.
 //!
-//! burn's own kernels find the gradient of grouped weights by one convolution a group, of which a network has more than a hundred,
-//! and are slow unless burn's feature `autotune` chooses among them, which takes minutes for a network. These are compiled in
-//! seconds.
+//! burn's own kernels find the gradient of grouped weights by one convolution a group, of which a network has
+//! more than a hundred, and are slow unless burn's feature `autotune` chooses among them, which takes minutes
+//! for a network. These are compiled in seconds.
 
 mod convolution;
 mod correlation;

@@ -1,8 +1,9 @@
 //! Gradients of a convolution on the CPU, with those of what its operand does while it is read.
 //!
-//! As in [`deepshade_infer::cpu::conv`], a task is a stripe of rows of one group of one image: it reads its rows of the
-//! operand and of the gradient once, and gives the gradient of these rows and its share of those of the weights. How
-//! the work is cut and in which order shares are added depends on the shapes only, never on the number of threads.
+//! As in [`deepshade_infer::cpu::conv`], a task is a stripe of rows of one group of one image: it reads its
+//! rows of the operand and of the gradient once, and gives the gradient of these rows and its share of those
+//! of the weights. How the work is cut and in which order shares are added depends on the shapes only, never
+//! on the number of threads.
 
 use super::correlate;
 use deepshade_infer::cpu::operand::{Buffer, Image, Operand, Padded};
@@ -85,7 +86,8 @@ const fn transposed(shape: ConvShape) -> ConvShape {
     ConvShape { inputs: shape.outputs, outputs: shape.inputs, ..shape }
 }
 
-/// Weights of the transposed convolution, `[groups, inputs, outputs, kernel, kernel]`: the kernels turned by half.
+/// Weights of the transposed convolution, `[groups, inputs, outputs, kernel, kernel]`: the kernels turned by
+/// half.
 fn turned(shape: ConvShape, weight: &[f32]) -> Vec<f32> {
     let area = shape.kernel * shape.kernel;
     let mut turned = Vec::with_capacity(weight.len());
@@ -216,8 +218,8 @@ fn spread(means: &[f32], width: usize, out: &mut [f32]) {
     }
 }
 
-/// The gradient of bilinear doubling, given that of some rows of `width` of the doubled image: of these the stripe's
-/// own begin at `first`, with what the image has on either side.
+/// The gradient of bilinear doubling, given that of some rows of `width` of the doubled image: of these the
+/// stripe's own begin at `first`, with what the image has on either side.
 #[inline(always)]
 fn double_backward(doubled: &[f32], width: usize, first: usize, blend: &mut Vec<f32>, out: &mut [f32]) {
     let last = doubled.len() / width - 1;

@@ -1,7 +1,7 @@
 //! The vector loops of a convolution's gradient by its weights: products of shifted rows.
 //!
-//! A block of sums stays in registers, of some output channels and some weights. Loops, not `array::from_fn`: its
-//! closures would not be compiled for the instructions that `pulp` chooses.
+//! A block of sums stays in registers, of some output channels and some weights. Loops, not `array::from_fn`:
+//! its closures would not be compiled for the instructions that `pulp` chooses.
 
 use deepshade_infer::cpu::operand::Padded;
 use deepshade_infer::cpu::shape::ConvShape;

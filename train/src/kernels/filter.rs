@@ -1,4 +1,5 @@
-//! The filter's image and its gradient by what the last convolution makes, a row of the image at a time. The light is data.
+//! The filter's image and its gradient by what the last convolution makes, a row of the image at a time. The
+//! light is data.
 
 use super::{Cpu, dims, image, numbers, tensor};
 use burn::backend::Flex;
@@ -11,8 +12,8 @@ use deepshade_shaders::Planes;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// What the filter was run with: the light of every image, and what the last convolution made, `[batch, weights,
-/// height, width]`.
+/// What the filter was run with: the light of every image, and what the last convolution made,
+/// `[batch, weights, height, width]`.
 #[derive(Clone, Debug)]
 pub struct Run {
     lights: Arc<[Light]>,
@@ -53,8 +54,8 @@ impl Run {
         })
     }
 
-    /// What is made of every row given its image's light, its weights, `[weights, width]`, and the numbers of image and row,
-    /// put together to images.
+    /// What is made of every row given its image's light, its weights, `[weights, width]`, and the numbers of
+    /// image and row, put together to images.
     fn stacked(&self, row: impl Fn(&Light, Vec<f32>, usize, usize) -> Vec<f32> + Sync) -> Cpu {
         let made = image(&self.made);
         let images = self.lights.iter().enumerate().map(|(index, light)| {

@@ -1,9 +1,9 @@
-//! The network's steps on the CPU, as a backend extension of burn's `flex`: what comes before a convolution (pooling,
-//! doubling, concatenation), the convolution, bias and leaky ReLU as one operation with one gradient, and the filter by
-//! predicted kernels as another.
+//! The network's steps on the CPU, as a backend extension of burn's `flex`: what comes before a convolution
+//! (pooling, doubling, concatenation), the convolution, bias and leaky ReLU as one operation with one
+//! gradient, and the filter by predicted kernels as another.
 //!
-//! Forwards they are the kernels that also run networks ([`deepshade_infer::cpu`]). `deepshade bench train` measures
-//! training with these alone. GPUs have theirs in `gpu`; both are tested against the same operations
+//! Forwards they are the kernels that also run networks ([`deepshade_infer::cpu`]). `deepshade bench train`
+//! measures training with these alone. GPUs have theirs in `gpu`; both are tested against the same operations
 //! written with tensors (`plain`).
 
 mod backward;
@@ -53,19 +53,19 @@ pub trait NetOps: Backend {
     fn filtered(filter: Filter, made: FloatTensor<Self>, light: FloatTensor<Self>) -> FloatTensor<Self>;
 }
 
-/// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none), of an image or of its
-/// 2x2 means.
+/// Grouped convolution with zero padding, stride 1, bias and leaky ReLU (`leak` 1 for none), of an image or
+/// of its 2x2 means.
 ///
 /// # Shapes
-/// `x` `[batch, inputs, height, width]`, twice as high and wide if it is to be `pooled`, `weight` `[outputs, inputs /
-/// groups, kernel, kernel]`, `bias` `[outputs]`, to `[batch, outputs, height, width]`.
+/// `x` `[batch, inputs, height, width]`, twice as high and wide if it is to be `pooled`, `weight`
+/// `[outputs, inputs / groups, kernel, kernel]`, `bias` `[outputs]`, to `[batch, outputs, height, width]`.
 pub fn convolve(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, pooled: bool, leak: f32) -> Tensor<4> {
     let (weight, bias) = (weight.into_dispatch(), bias.into_dispatch());
     Tensor::from_dispatch(<Dispatch as NetOps>::convolve(x.into_dispatch(), weight, bias, pooled, leak))
 }
 
-/// As [`convolve`], of `coarse`, doubled bilinearly (half-pixel centres, edges replicated), concatenated with `fine` in
-/// so many groups.
+/// As [`convolve`], of `coarse`, doubled bilinearly (half-pixel centres, edges replicated), concatenated with
+/// `fine` in so many groups.
 ///
 /// # Shapes
 /// `[batch, a, height / 2, width / 2]` and `[batch, b, height, width]` to `[batch, outputs, height, width]`.
@@ -85,8 +85,8 @@ pub fn convolve_joined(
 /// The image of a [`deepshade_infer::filter`], which has a gradient by `made` alone.
 ///
 /// # Shapes
-/// `made` `[batch, weights, height, width]` and `light` `[batch, channels, height, width]`, height and width multiples of the
-/// coarsest level's scale, to `[batch, channels, height, width]`.
+/// `made` `[batch, weights, height, width]` and `light` `[batch, channels, height, width]`, height and width
+/// multiples of the coarsest level's scale, to `[batch, channels, height, width]`.
 pub fn filtered(filter: Filter, made: Tensor<4>, light: Tensor<4>) -> Tensor<4> {
     let (made, light) = (made.into_dispatch(), light.into_dispatch());
     Tensor::from_dispatch(<Dispatch as NetOps>::filtered(filter, made, light))

@@ -153,7 +153,8 @@ fn every_loss_falls_along_its_gradient_and_masks_what_is_not_seen() {
     }
 }
 
-/// A slope, and what so many samples of 0 or 1 in two independent halves make of it, with the variance that they estimate.
+/// A slope, and what so many samples of 0 or 1 in two independent halves make of it, with the variance that
+/// they estimate.
 fn slope_and_samples(samples: usize, device: &Device) -> (Tensor<4>, Target) {
     const EDGE: usize = 256;
     let shape = [1, 1, EDGE, EDGE];

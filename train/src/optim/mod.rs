@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "method", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Optimiser {
-    /// ADADELTA, as in the thesis (7.3.3). Its framework calls the decay momentum; there is no heavy-ball term.
+    /// ADADELTA, as in the thesis (7.3.3). Its framework calls the decay momentum; there is no heavy-ball
+    /// term.
     Adadelta {
         /// What every step is multiplied by; 1 in the paper.
         rate: f64,

@@ -1,4 +1,5 @@
-//! The filter of [`deepshade_infer::filter`] written with burn's tensors. The light is data and needs no gradient.
+//! The filter of [`deepshade_infer::filter`] written with burn's tensors. The light is data and needs no
+//! gradient.
 
 use burn::tensor::Tensor;
 #[cfg(test)]
@@ -40,8 +41,8 @@ pub(super) fn taps(filter: Filter, light: Tensor<4>) -> Vec<Tensor<4>> {
     taps
 }
 
-/// One dimension `scale` times as long, a power of two: linear between the centres of pixels, and beyond the outermost as
-/// there.
+/// One dimension `scale` times as long, a power of two: linear between the centres of pixels, and beyond the
+/// outermost as there.
 fn spread_along(x: Tensor<4>, dimension: usize, scale: usize) -> Tensor<4> {
     if scale == 1 {
         return x;

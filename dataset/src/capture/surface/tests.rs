@@ -69,7 +69,8 @@ fn a_sphere_has_its_normals_within_a_degree_where_it_is_not_grazed() {
     {
         let position = vector(&seen, Attribute::Position, x, y);
         let expected = (position - centre) / radius;
-        // Tilted by more than 45 degrees, fewer pixels of the window see the sphere, most of them on one side.
+        // Tilted by more than 45 degrees, fewer pixels of the window see the sphere, most of them on one
+        // side.
         let facing = expected.dot(-position.normalize());
         let degrees = expected.dot(vector(&seen, Attribute::Normal, x, y)).min(1.0).acos().to_degrees();
         assert!(degrees < if facing > 0.7 { 1.0 } else { 20.0 }, "{degrees} degrees off at {x}, {y}");

@@ -1,5 +1,5 @@
-//! Frames of the TUM benchmark and of ICL-NUIM, laid out as these are: what they show agrees between frames, and the floor
-//! is where it is.
+//! Frames of the TUM benchmark and of ICL-NUIM, laid out as these are: what they show agrees between frames,
+//! and the floor is where it is.
 
 use super::*;
 
@@ -53,8 +53,8 @@ fn as_tum(source: &Path) -> tempfile::TempDir {
     folder
 }
 
-/// The share of what both frames see of `points` of the first that lies where the second has its surface, within 3 % of
-/// the depth; points that something is in front of do not count.
+/// The share of what both frames see of `points` of the first that lies where the second has its surface,
+/// within 3 % of the depth; points that something is in front of do not count.
 fn agreement(capture: &Capture, points: &[Vec3], second: &CaptureFrame) -> f64 {
     let intrinsics = capture.camera().intrinsics;
     let pose = second.pose.expect("a pose");

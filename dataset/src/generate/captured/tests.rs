@@ -7,7 +7,8 @@ use image::{ImageBuffer, Luma, Rgb};
 use std::fs;
 use std::path::Path;
 
-/// Writes a capture of five frames of 40 x 32 pixels in Open3D's layout: a wall, nearer from frame to frame, with a hole.
+/// Writes a capture of five frames of 40 x 32 pixels in Open3D's layout: a wall, nearer from frame to frame,
+/// with a hole.
 fn write_capture(folder: &Path) {
     for name in ["color", "depth"] {
         fs::create_dir_all(folder.join(name)).expect("made");

@@ -66,7 +66,8 @@ fn frames_of_a_sequence_share_all_but_their_moments_and_things_go_on_evenly() {
     assert!(count > 4 && count < 4 * scene.scene().meshes.len(), "{count} move");
 }
 
-/// Nothing moves, and the lamp is off from the second frame on: what is seen fades as the preset's only state does.
+/// Nothing moves, and the lamp is off from the second frame on: what is seen fades as the preset's only state
+/// does.
 #[test]
 fn what_was_kept_fades_from_frame_to_frame_by_the_closed_form() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -114,7 +115,8 @@ fn pairs_say_their_time_and_hold_motion_and_light_of_lamps_that_shine() {
     assert_eq!(crate::verify(&out).expect("verified").faults, []);
 }
 
-/// What is animated goes on as its file says, with textures that stay on it, and its lamp is not the drawn one.
+/// What is animated goes on as its file says, with textures that stay on it, and its lamp is not the drawn
+/// one.
 #[test]
 fn what_is_animated_in_a_file_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,13 +1,15 @@
 //! From a binary hierarchy to an eight-wide one of least expected cost (surface area heuristic), by dynamic
-//! programming over the binary tree: for each of its subtrees, the cheapest forest of at most 1 to 7 roots (Ylitie,
-//! Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, 3.1).
+//! programming over the binary tree: for each of its subtrees, the cheapest forest of at most 1 to 7 roots
+//! (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
+//! 2017, 3.1).
 
 use super::eight::LANES;
 use super::{Child, Node};
 use obvhs::bvh2::Bvh2;
 use std::ops::Range;
 
-/// Cost of testing a leaf's triangles, where that of a node's boxes is 1. From 0.5 to 2, rays are equally fast.
+/// Cost of testing a leaf's triangles, where that of a node's boxes is 1. From 0.5 to 2, rays are equally
+/// fast.
 const LEAF_COST: f32 = 1.0;
 
 /// How a subtree becomes a forest.

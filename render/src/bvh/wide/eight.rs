@@ -1,5 +1,5 @@
-//! Eight numbers at once: with AVX2 and fused multiply-add where the processor has them, else in arrays, which
-//! compilers turn into whatever vectors the target has.
+//! Eight numbers at once: with AVX2 and fused multiply-add where the processor has them, else in arrays,
+//! which compilers turn into whatever vectors the target has.
 
 #[cfg(target_arch = "x86_64")]
 use pulp::{Simd, WithSimd, cast, f32x8, x86::V3};
@@ -42,8 +42,8 @@ pub trait Eight: Copy {
 pub trait Work {
     /// What comes out.
     type Output;
-    /// Does it. To be `#[inline(always)]`, with all that it calls, and without closures of its own: what is not inlined
-    /// is compiled without AVX2.
+    /// Does it. To be `#[inline(always)]`, with all that it calls, and without closures of its own: what is
+    /// not inlined is compiled without AVX2.
     fn with<E: Eight>(self, eight: E) -> Self::Output;
 }
 

@@ -1,10 +1,10 @@
 //! A ray against eight boxes, and against eight triangles.
 //!
-//! Boxes by the slab test, conservative about rounding (Ize, "Robust BVH Ray Traversal", 2013). Triangles by the test of
-//! Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", 2013): seen along the ray and sheared to it, edges
-//! that two triangles share are exact opposites, and a difference of two products never has the wrong sign, so that no
-//! ray slips through between. Their fallback to f64 serves the rule that only one of the two is met, which we do not
-//! need: an edge belongs to both.
+//! Boxes by the slab test, conservative about rounding (Ize, "Robust BVH Ray Traversal", 2013). Triangles by
+//! the test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection", 2013): seen along the ray and
+//! sheared to it, edges that two triangles share are exact opposites, and a difference of two products never
+//! has the wrong sign, so that no ray slips through between. Their fallback to f64 serves the rule that only
+//! one of the two is met, which we do not need: an edge belongs to both.
 
 use super::eight::{Eight, LANES};
 use super::{Corners, Node, Ray};
@@ -87,8 +87,8 @@ impl<E: Eight> Slabs<E> {
     }
 }
 
-/// A ray as the test with triangles needs it: axes in an order that ends with its direction's largest component, and
-/// the shear and scale that make that axis of the direction.
+/// A ray as the test with triangles needs it: axes in an order that ends with its direction's largest
+/// component, and the shear and scale that make that axis of the direction.
 pub struct Shear<E: Eight> {
     axes: [usize; 3],
     origin: [E::Numbers; 3],

@@ -1,5 +1,5 @@
-//! The eight-wide hierarchy against all triangles one by one, on what is awkward: boxes without a volume, rays along
-//! axes with zeros of both signs, rays from inside of boxes and from corners.
+//! The eight-wide hierarchy against all triangles one by one, on what is awkward: boxes without a volume,
+//! rays along axes with zeros of both signs, rays from inside of boxes and from corners.
 
 use super::*;
 use crate::bvh::binary_hierarchy;
@@ -16,8 +16,8 @@ fn random_vector(i: u32) -> Vec3 {
     Vec3::new(random(3 * i), random(3 * i + 1), random(3 * i + 2))
 }
 
-/// Triangles in a cube of 10 m; of each ten three are flat along an axis, one has no area, one is a point, one is the
-/// one before once more.
+/// Triangles in a cube of 10 m; of each ten three are flat along an axis, one has no area, one is a point,
+/// one is the one before once more.
 fn soup(count: u32, size: f32) -> Vec<[Vec3; 3]> {
     let mut soup: Vec<[Vec3; 3]> = Vec::new();
     for i in 0..count {
@@ -46,8 +46,8 @@ fn wide(soup: &[[Vec3; 3]], asked: bool) -> Wide {
     Wide::new(&binary_hierarchy(&triangles), |index| soup[index as usize], |_| asked)
 }
 
-/// Every which way, along axes, in planes of axes, with zeros of both signs, from inside and from outside, and from
-/// corners of triangles.
+/// Every which way, along axes, in planes of axes, with zeros of both signs, from inside and from outside,
+/// and from corners of triangles.
 fn ray(soup: &[[Vec3; 3]], i: u32) -> Ray {
     let origin = match i % 3 {
         0 => soup[i as usize % soup.len()][0],
@@ -68,7 +68,8 @@ fn ray(soup: &[[Vec3; 3]], i: u32) -> Ray {
     Ray { origin: origin.into(), direction: direction.into(), reach: f32::INFINITY, time: 0.0 }
 }
 
-/// Distance and place of the nearest triangle, each leaf tested by itself, and how many triangles the ray meets.
+/// Distance and place of the nearest triangle, each leaf tested by itself, and how many triangles the ray
+/// meets.
 fn one_by_one(wide: &Wide, ray: &Ray) -> (Option<(f32, u32)>, usize) {
     let asked = RefCell::new(0);
     let of_leaf = |leaf: &Leaf| {
@@ -163,8 +164,8 @@ fn a_reach_ends_before_what_it_touches() {
     assert!(met > 200, "{met} rays met something");
 }
 
-/// Distance along a ray to a triangle by planes, in f64, and whether that is unclear: where the ray passes an edge
-/// within `margin` of the triangle's size, or starts so near.
+/// Distance along a ray to a triangle by planes, in f64, and whether that is unclear: where the ray passes an
+/// edge within `margin` of the triangle's size, or starts so near.
 fn in_f64(corners: &[Vec3; 3], ray: &Ray, margin: f64) -> (Option<f64>, bool) {
     let [a, b, c] = corners.map(DVec3::from);
     let (origin, direction) =

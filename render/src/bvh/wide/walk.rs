@@ -27,8 +27,8 @@ impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Work for Walk<
     }
 }
 
-/// Rays of a fan, each to any triangle. A ray first tries the leaf that the last one ended in: neighbours often end at
-/// the same triangles, and which one it is does not matter.
+/// Rays of a fan, each to any triangle. A ray first tries the leaf that the last one ended in: neighbours
+/// often end at the same triangles, and which one it is does not matter.
 pub struct WalkAll<'a, T> {
     pub wide: &'a Wide,
     pub fan: Fan<'a>,
@@ -145,8 +145,8 @@ impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Walk<'_, T, NE
     }
 }
 
-/// Children that a ray has yet to visit, the nearest of each node last. A visit is the bits of the distance, then the
-/// child: distances are not negative, so that visits order as they do.
+/// Children that a ray has yet to visit, the nearest of each node last. A visit is the bits of the distance,
+/// then the child: distances are not negative, so that visits order as they do.
 struct Waiting {
     visits: [u64; WAITING],
     count: usize,

@@ -2,8 +2,9 @@
 
 use super::*;
 
-/// Light of a point in a medium that is the same everywhere, in a grid and in a finer one in its middle: mean fluence in
-/// the middle of the finer one, and how far it is from that of the coarser one, cell by cell, over the mean.
+/// Light of a point in a medium that is the same everywhere, in a grid and in a finer one in its middle: mean
+/// fluence in the middle of the finer one, and how far it is from that of the coarser one, cell by cell, over
+/// the mean.
 fn handed_over(extinction: f32, albedo: f32, source: IVec3) -> [f32; 2] {
     let flight = |cell: f32| Flight::new(extinction * cell, albedo);
     let coarse = alike(Scheme::OURS, IVec3::splat(20), flight(1.0));

@@ -66,8 +66,9 @@ fn energy_is_kept_between_cells_of_all_densities() {
     }
 }
 
-/// What half a space of isotropic scattering reflects of diffuse light, by a walk: photons that enter by Lambert's
-/// cosine go on by exponential flights, and count by the albedo to the number of their collisions where they leave.
+/// What half a space of isotropic scattering reflects of diffuse light, by a walk: photons that enter by
+/// Lambert's cosine go on by exponential flights, and count by the albedo to the number of their collisions
+/// where they leave.
 fn walked(albedo: f64) -> f64 {
     let mut numbers = Xorshift::new(1);
     let mut random = || numbers.number();
@@ -97,8 +98,9 @@ fn half_a_space_reflects_what_a_walk_says() {
     assert_eq!([reflectance(0.0), reflectance(1.0)], [0.0, 1.0]);
 }
 
-/// What of light that a clear cell sends into a dense medium comes back, and the largest fluence there over what is sent:
-/// a column of cells whose neighbours across reflect everything in the medium and nothing before.
+/// What of light that a clear cell sends into a dense medium comes back, and the largest fluence there over
+/// what is sent: a column of cells whose neighbours across reflect everything in the medium and nothing
+/// before.
 fn sent_into(extinction: f32, albedo: f32) -> [f32; 2] {
     let clear = Flight::new(0.0, 0.0);
     let mut volume = alike(Scheme::OURS, IVec3::new(3, 3, 8), clear);

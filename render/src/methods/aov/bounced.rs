@@ -1,4 +1,5 @@
-//! Ambient occlusion by a bounced z-buffer over facets: what of a white sky a pixel sees past the nearest of them.
+//! Ambient occlusion by a bounced z-buffer over facets: what of a white sky a pixel sees past the nearest of
+//! them.
 
 use super::facets;
 use super::reference;
@@ -9,8 +10,8 @@ use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
-/// How high in the tree a node is whose facets are one slice: 16,384, of which each takes no more than two turns of
-/// loops.
+/// How high in the tree a node is whose facets are one slice: 16,384, of which each takes no more than two
+/// turns of loops.
 const SLICE: u32 = 5;
 
 /// What can be set.

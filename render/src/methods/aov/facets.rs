@@ -1,4 +1,5 @@
-//! Facets: a scene's triangles as they are posed, in camera space on the GPU, large ones cut, and a tree over them.
+//! Facets: a scene's triangles as they are posed, in camera space on the GPU, large ones cut, and a tree over
+//! them.
 //!
 //! They lie along a curve through space, as surfels do, and the tree is of the same form.
 
@@ -15,8 +16,8 @@ use deepshade_shaders::wgsl::{Shader, uniforms};
 const HEIGHT: u32 = 10;
 /// Most facets of a scene, which is what the tree holds: 16.8 million.
 pub const MOST: usize = LEAF << (2 * HEIGHT);
-/// A scene's surface is cut into about so many facets, beside triangles that are smaller than one: boxes around large
-/// triangles hold much that is far away.
+/// A scene's surface is cut into about so many facets, beside triangles that are smaller than one: boxes
+/// around large triangles hold much that is far away.
 const PARTS: f32 = (1 << 13) as f32;
 
 /// The patches that facets are made of, in their order.
@@ -36,9 +37,9 @@ pub struct Facets {
 }
 
 impl Facets {
-    /// What runs over the image are told, each of those facets that are below one node of a height of the tree: `SLICE`
-    /// of the shaders. In one run for all there would be more turns of loops than lavapipe has, which ends them after
-    /// 65,535.
+    /// What runs over the image are told, each of those facets that are below one node of a height of the
+    /// tree: `SLICE` of the shaders. In one run for all there would be more turns of loops than lavapipe has,
+    /// which ends them after 65,535.
     ///
     /// # Errors
     /// If the device has no room.

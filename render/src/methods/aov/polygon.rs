@@ -1,10 +1,10 @@
-//! The form factor from a point with a normal to the part of a facet that is above the point's tangent plane and within
-//! reach, in plain Rust: `shared/facet_form_factor.wgsl`.
+//! The form factor from a point with a normal to the part of a facet that is above the point's tangent plane
+//! and within reach, in plain Rust: `shared/facet_form_factor.wgsl`.
 //!
-//! The integral along the outline of the part (Lambert 1760; Baum, Rushmeier and Winget 1989, "Improving Radiosity
-//! Solutions Through the Use of Analytically Determined Form-Factors"): a piece of an edge contributes the angle that
-//! it subtends times the cosine of its plane to the normal, an arc of the circle in which the facet's plane cuts the
-//! sphere of the reach what `normal . (r x dr) / reach^2` integrates to.
+//! The integral along the outline of the part (Lambert 1760; Baum, Rushmeier and Winget 1989, "Improving
+//! Radiosity Solutions Through the Use of Analytically Determined Form-Factors"): a piece of an edge
+//! contributes the angle that it subtends times the cosine of its plane to the normal, an arc of the circle
+//! in which the facet's plane cuts the sphere of the reach what `normal . (r x dr) / reach^2` integrates to.
 
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -31,8 +31,8 @@ struct Outline {
     around: bool,
 }
 
-/// The share of the cosine-weighted hemisphere around `normal` that a triangle fills as far as it is within `reach`;
-/// nothing if its corners, which are relative to the point, go round clockwise seen from there.
+/// The share of the cosine-weighted hemisphere around `normal` that a triangle fills as far as it is within
+/// `reach`; nothing if its corners, which are relative to the point, go round clockwise seen from there.
 pub fn form_factor(corners: [Vec3; 3], normal: Vec3, reach: f32) -> f32 {
     let [a, b, c] = corners;
     let outwards = (b - a).cross(c - a);
@@ -120,7 +120,8 @@ fn straight(begin: Vec3, end: Vec3, normal: Vec3) -> f32 {
         return 0.0;
     }
     let squared = (size / along).powi(2);
-    // Where all angles are small they cancel but for a remainder, which atan2 alone is not exact enough for: a series.
+    // Where all angles are small they cancel but for a remainder, which atan2 alone is not exact enough for:
+    // a series.
     let angle_over_size = match size < 0.3 * along {
         true => {
             (1.0 - squared * (1.0 / 3.0 - squared * (0.2 - squared * (1.0 / 7.0 - squared / 9.0)))) / along
@@ -149,15 +150,16 @@ mod tests {
 
     #[test]
     fn closed_forms() {
-        // A rectangle a x b parallel to the surface, a corner straight above at height 1 (Howell, configuration B-3).
+        // A rectangle a x b parallel to the surface, a corner straight above at height 1 (Howell,
+        // configuration B-3).
         for (a, b) in [(1.0f32, 1.0f32), (0.3, 2.0), (5.0, 0.1)] {
             let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
             let right = (a / x * (b / x).atan() + b / y * (a / y).atan()) / TAU;
             let found = quad(ceiling([0.0, 0.0], [a, b], 1.0), Vec3::Y, 1e3);
             assert!((found - right).abs() < 1e-5, "{a} x {b}: {found}, not {right}");
         }
-        // A wall without an end at distance d hides half of the sky as d goes to 0, and of what is within reach r the
-        // share of a disk beyond a chord at d / r.
+        // A wall without an end at distance d hides half of the sky as d goes to 0, and of what is within
+        // reach r the share of a disk beyond a chord at d / r.
         let wall = |d: f32, half: f32| {
             [(-half, 0.0), (half, 0.0), (half, half), (-half, half)].map(|(x, y)| Vec3::new(x, y, -d))
         };

@@ -16,8 +16,9 @@ use glam::{IVec2, Vec3};
 
 /// What an endless sum hides.
 ///
-/// Of pixels of room, still life, colonnade and shelves whose sums are about 0.3, 0.54, 0.77, 1.02 and 2.1 truth hides
-/// 0.21, 0.34, 0.43, 0.54 and 0.64 in the mean; this makes 0.24, 0.38, 0.47, 0.54 and 0.67 of them.
+/// Of pixels of room, still life, colonnade and shelves whose sums are about 0.3, 0.54, 0.77, 1.02 and 2.1
+/// truth hides 0.21, 0.34, 0.43, 0.54 and 0.64 in the mean; this makes 0.24, 0.38, 0.47, 0.54 and 0.67 of
+/// them.
 pub const MOST_HIDDEN: f32 = 0.7;
 
 /// A part of a triangle.
@@ -80,8 +81,8 @@ pub fn openness(surface: &Surface, facets: &[Facet], reach: f32) -> Planes {
     })
 }
 
-/// How far along a ray it meets a triangle, from either side (Moeller and Trumbore 1997, "Fast, Minimum Storage
-/// Ray/Triangle Intersection").
+/// How far along a ray it meets a triangle, from either side (Moeller and Trumbore 1997, "Fast, Minimum
+/// Storage Ray/Triangle Intersection").
 pub fn distance(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<f32> {
     let [a, b, c] = corners;
     let (first, second, way) = (b - a, c - a, origin - a);

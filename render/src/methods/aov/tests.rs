@@ -18,8 +18,8 @@ use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use glam::{UVec2, Vec3, Vec4};
 
-/// What a scene hides from above a horizontal surface at the origin: by volumes, and by rays into the directions of
-/// many pixels.
+/// What a scene hides from above a horizontal surface at the origin: by volumes, and by rays into the
+/// directions of many pixels.
 fn hidden(scene: &Scene, reach: f32) -> [f32; 2] {
     let facets = facets(scene, &camera());
     let at = lifted(Vec3::ZERO, Vec3::Y, reach);
@@ -34,7 +34,8 @@ fn hidden(scene: &Scene, reach: f32) -> [f32; 2] {
 
 #[test]
 fn a_disk_hides_what_a_closed_form_says() {
-    // A disk of radius r at height h hides r^2 / (r^2 + h^2); of an endless one 1 - (h / reach)^2 is within reach.
+    // A disk of radius r at height h hides r^2 / (r^2 + h^2); of an endless one 1 - (h / reach)^2 is within
+    // reach.
     for (radius, height, reach) in [(0.5f32, 1.0f32, 9.0f32), (0.3, 0.2, 1.0), (40.0, 0.5, 1.0)] {
         let whole = radius * radius / (radius * radius + height * height);
         let right = whole.min(1.0 - (height / reach).powi(2));
@@ -55,8 +56,8 @@ fn sheets_behind_one_another_add_up_but_for_rays() {
 
 #[test]
 fn a_closed_surface_hides_its_solid_angle_once() {
-    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as
-    // much again.
+    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and
+    // hides as much again.
     let mut sphere = sphere_mesh(Vec3::Y * 2.0, 0.5);
     let [sum, rays] = hidden(&scene_of(vec![sphere.clone()]), 9.0).map(|share| 16.0 * share);
     assert!((sum - 1.0).abs() < 0.01 && (rays - 1.0).abs() < 0.1, "{sum} and {rays} of what a sphere hides");
@@ -155,8 +156,8 @@ fn of_odd_scenes_images_are_defined() {
             assert!(seen_on_floor(&image).all(|open| (open - 1.0).abs() < 1e-6), "{name}");
         }
     }
-    // Half a metre above the floor everything is hidden but for that share of the hemisphere, squared. Of the second
-    // one a pixel has twenty thousand triangles within reach.
+    // Half a metre above the floor everything is hidden but for that share of the hemisphere, squared. Of the
+    // second one a pixel has twenty thousand triangles within reach.
     for (scene, radius) in [(huge_triangle(-0.5), 1.0), (fine_ceiling(400, -0.5), 6.0)] {
         let (sum, rays) = (above_floor(&volumes, &scene, radius), above_floor(&rays, &scene, radius));
         let open = (0.5 / radius).powi(2);

@@ -9,7 +9,8 @@ use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::{Shader, uniforms};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 
-/// How high in the tree a node is whose facets are one slice: 4,096, of which each takes five or six turns of loops.
+/// How high in the tree a node is whose facets are one slice: 4,096, of which each takes five or six turns of
+/// loops.
 const SLICE: u32 = 4;
 
 /// The method, which has nothing to set: no sample is drawn, so that more time would not make it better.

@@ -18,7 +18,8 @@ fn it_smooths_planes_and_keeps_steps() {
     let parameters = BlurParameters { radius: 4, sharpness: 1024.0 };
     for effect in [Effect::Ao, Effect::Gi] {
         let settings = parameters.settings(&view(HEIGHT, WIDTH, 1.0), effect);
-        // Dark and light columns in turn on the floor, all light on the plateau; each channel half of the one before.
+        // Dark and light columns in turn on the floor, all light on the plateau; each channel half of the one
+        // before.
         let last = effect.channels() - 1;
         let share = 0.5f32.powi(last as i32);
         let stripes = Planes::from_fn(effect.channels(), HEIGHT, WIDTH, |c, _, x| {

@@ -1,5 +1,5 @@
-//! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what the nearest
-//! surfels send. Directions are spread as the lobe's visible microfacets mirror the eye's.
+//! Glossy indirect light by a bounced z-buffer: what a surface's specular lobe reflects to the eye of what
+//! the nearest surfels send. Directions are spread as the lobe's visible microfacets mirror the eye's.
 
 use super::BouncedZParameters;
 use super::indirect::LIGHT;

@@ -1,5 +1,6 @@
-//! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the scene's lights
-//! with shadows; of `phosphor-gi` what they give back of light that they kept. Surfels without light hide those behind them, so none is left out.
+//! Diffuse indirect light of one bounce by a bounced z-buffer: what the nearest surfels send, lit by the
+//! scene's lights with shadows; of `phosphor-gi` what they give back of light that they kept. Surfels without
+//! light hide those behind them, so none is left out.
 
 use super::passes::Rays;
 use super::reference::{Arriving, shade};

@@ -1,33 +1,33 @@
 //! Shading by surfels with visibility: the bounced z-buffer.
 //!
-//! Nalbach, Ritschel and Seidel, "The Bounced Z-Buffer for Indirect Visibility", VMV 2015 (thesis chapter 6). Where
-//! [`surfel`](super::surfel) adds up what all surfels do to a pixel, here each pixel looks into a few directions and
-//! keeps of each the nearest surfel, as a z-buffer does: what hides behind something does nothing. Neighbouring pixels
-//! look elsewhere, and a filter brings together what they see, each sample weighed by what the receiving pixel's own
-//! surface makes of its direction.
+//! Nalbach, Ritschel and Seidel, "The Bounced Z-Buffer for Indirect Visibility", VMV 2015 (thesis chapter 6).
+//! Where [`surfel`](super::surfel) adds up what all surfels do to a pixel, here each pixel looks into a few
+//! directions and keeps of each the nearest surfel, as a z-buffer does: what hides behind something does
+//! nothing. Neighbouring pixels look elsewhere, and a filter brings together what they see, each sample
+//! weighed by what the receiving pixel's own surface makes of its direction.
 //!
-//! Surfels, their light and their tree are those of [`surfel`](super::surfel), and so are the levels of the interleaved
-//! framebuffer: on level l a pixel meets one of 4^l surfels, 2^l times as large. A hit belongs to the shell around its
-//! surfel that the pixel is in, or to its own level where that is finer; the finest level that has one wins (thesis
-//! 6.3).
+//! Surfels, their light and their tree are those of [`surfel`](super::surfel), and so are the levels of the
+//! interleaved framebuffer: on level l a pixel meets one of 4^l surfels, 2^l times as large. A hit belongs to
+//! the shell around its surfel that the pixel is in, or to its own level where that is finer; the finest
+//! level that has one wins (thesis 6.3).
 //!
-//! The splatting is turned round here, too: rays walk the tree. Directions are spread by their cosine to the normal for
-//! ambient occlusion as well, where the paper spreads them evenly: of an even sky the cosine leaves no noise at all, an
-//! even spread that of a variance of 1/3 a direction. The filter divides by the sum of its weights, so that it keeps an
-//! even sky.
+//! The splatting is turned round here, too: rays walk the tree. Directions are spread by their cosine to the
+//! normal for ambient occlusion as well, where the paper spreads them evenly: of an even sky the cosine
+//! leaves no noise at all, an even spread that of a variance of 1/3 a direction. The filter divides by the
+//! sum of its weights, so that it keeps an even sky.
 //!
-//! Methods: [`occlusion`] and [`indirect`] light, which [`glossy`] surfaces also reflect. What a pixel's surface makes
-//! of light, and so where it looks for it, is its [`Reflector`].
+//! Methods: [`occlusion`] and [`indirect`] light, which [`glossy`] surfaces also reflect. What a pixel's
+//! surface makes of light, and so where it looks for it, is its [`Reflector`].
 //!
-//! Limits. Disks whose areas add up to a surface's lie over one another in places and leave holes in others: a single
-//! sheet of them lets a part of the rays through ([`COVER`]), which is light lost to `gi`. Where it ends, disks stand
-//! over its edge, the more the coarser the level: thresholds are therefore smaller than those of
-//! [`surfel`](super::surfel). Few directions are noise, of bright things in a dark scene above all, and the filter
-//! turns it into blur. A far group of surfels is taken to look like the one of it that is met.
+//! Limits. Disks whose areas add up to a surface's lie over one another in places and leave holes in others:
+//! a single sheet of them lets a part of the rays through ([`COVER`]), which is light lost to `gi`. Where it
+//! ends, disks stand over its edge, the more the coarser the level: thresholds are therefore smaller than
+//! those of [`surfel`](super::surfel). Few directions are noise, of bright things in a dark scene above all,
+//! and the filter turns it into blur. A far group of surfels is taken to look like the one of it that is met.
 //! Only lamps light surfels.
 //!
-//! Unlike [`surfel`](super::surfel) it does not grow darker, or brighter, with every surface behind the first; it takes
-//! a few times as long.
+//! Unlike [`surfel`](super::surfel) it does not grow darker, or brighter, with every surface behind the
+//! first; it takes a few times as long.
 
 pub mod glossy;
 pub mod indirect;
@@ -51,9 +51,10 @@ use deepshade_shaders::wgsl::uniforms;
 
 /// How much larger than its own is the radius of a surfel that rays meet.
 ///
-/// Swept on room, colonnade and still life at 192x128, 0.7 m. Of the room's indirect light, a mean of 0.228, 1 loses
-/// 0.059 through holes, 1.25 0.037 and 1.5 0.028; of the still life's ambient occlusion the relative mean squared error
-/// is 0.06, 0.16 and 0.26 at a threshold of 0.02, as disks stand over edges, and 0.06 with 1.25 at 0.005.
+/// Swept on room, colonnade and still life at 192x128, 0.7 m. Of the room's indirect light, a mean of 0.228,
+/// 1 loses 0.059 through holes, 1.25 0.037 and 1.5 0.028; of the still life's ambient occlusion the relative
+/// mean squared error is 0.06, 0.16 and 0.26 at a threshold of 0.02, as disks stand over edges, and 0.06 with
+/// 1.25 at 0.005.
 pub const COVER: f32 = 1.25;
 /// Most directions of a pixel.
 pub const MOST_DIRECTIONS: u32 = 16;
@@ -77,8 +78,9 @@ pub struct BouncedZParameters {
 }
 
 impl BouncedZParameters {
-    /// Those of a quality: more directions, smaller surfels, and more of their effect on every pixel. On the six scenes of
-    /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.172, 0.099 and 0.067.
+    /// Those of a quality: more directions, smaller surfels, and more of their effect on every pixel. On the
+    /// six scenes of `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared
+    /// error of 0.172, 0.099 and 0.067.
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold, directions, radius) = match quality {
             Quality::Low => (0.020, 0.05, 1, 5),

@@ -1,4 +1,5 @@
-//! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and the filter.
+//! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and
+//! the filter.
 
 use super::{BouncedZParameters, Reflector};
 use crate::methods::Surface;
@@ -16,8 +17,8 @@ const SQUARE: u32 = 2;
 const IN_SQUARE: u32 = 16;
 /// Angle between a direction of the spiral and the next, turns.
 const GOLDEN_TURN: f32 = 0.381_966;
-/// Sine of the least angle between the way to a disk and either surface. Surfels' normals are rounded by nearly as
-/// much.
+/// Sine of the least angle between the way to a disk and either surface. Surfels' normals are rounded by
+/// nearly as much.
 pub const LEAST_SINE: f32 = 4.2e-3;
 /// A neighbour counts the cosine of its normal to the pixel's to this power.
 const NORMAL_POWER: i32 = 8;
@@ -43,8 +44,8 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// How far along the ray it meets a disk whose radius is `enlarged` times as large, if it does. Disks that the
-    /// origin's surface hides, and those that lie along the way to them, are not met.
+    /// How far along the ray it meets a disk whose radius is `enlarged` times as large, if it does. Disks
+    /// that the origin's surface hides, and those that lie along the way to them, are not met.
     pub fn distance(&self, disk: &Disk, enlarged: f32) -> Option<f32> {
         let way = disk.place - self.origin;
         let (height, least) = (way.dot(disk.normal), LEAST_SINE * way.length());
@@ -66,8 +67,8 @@ pub fn number_in_square(pixel: UVec2, level: u32, seed: u32) -> u32 {
     shells::permuted(inside.x | inside.y << level, level, key)
 }
 
-/// A place on the disk that a number of a pixel has, of so many and by a seed: its radius squared, and its angle,
-/// turns.
+/// A place on the disk that a number of a pixel has, of so many and by a seed: its radius squared, and its
+/// angle, turns.
 pub fn place_on_disk(pixel: UVec2, number: u32, [directions, seed]: [u32; 2]) -> Vec2 {
     let square = pixel >> SQUARE;
     let which = (IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(seed))) as f32;

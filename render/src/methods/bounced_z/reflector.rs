@@ -1,5 +1,5 @@
-//! What a pixel's surface makes of light, and where it looks for it: the plain versions of `shared/bounced_matte.wgsl`
-//! and `shared/bounced_glossy.wgsl`.
+//! What a pixel's surface makes of light, and where it looks for it: the plain versions of
+//! `shared/bounced_matte.wgsl` and `shared/bounced_glossy.wgsl`.
 
 use crate::methods::Surface;
 use crate::methods::lobe::Lobe;
@@ -8,8 +8,8 @@ use std::f32::consts::TAU;
 
 /// How a surface reflects.
 pub trait Reflector: Copy + Send + Sync {
-    /// A direction that it looks into, camera space, which a place on the disk leads to: its radius squared, and its
-    /// angle, turns.
+    /// A direction that it looks into, camera space, which a place on the disk leads to: its radius squared,
+    /// and its angle, turns.
     fn direction(&self, place: Vec2) -> Vec3;
 
     /// The density of such directions, but for a factor that is the same for all; never 0.

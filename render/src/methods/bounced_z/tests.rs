@@ -126,7 +126,8 @@ fn sheet(height: f32, sent: f32) -> Vec<Disk> {
     (0..1600).map(disk).collect()
 }
 
-/// What a horizontal square of four metres to a side hides, from below its middle: four times a corner's form factor.
+/// What a horizontal square of four metres to a side hides, from below its middle: four times a corner's form
+/// factor.
 fn hidden_by_sheet(height: f32) -> f32 {
     let side = 2.0 / height;
     let slant = (1.0 + side * side).sqrt();
@@ -198,8 +199,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
         LIGHT,
         (&BouncedZParameters { directions: 4, filter, ..PLAIN }, &view),
     );
-    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
-    // its middle it is so within 4 %.
+    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless;
+    // seen from its middle it is so within 4 %.
     let (mut found, mut right, mut compared) = (Vec3::ZERO, Vec3::ZERO, 0);
     for at in (0..48).flat_map(|y| (0..64).map(move |x| IVec2::new(x, y))) {
         let place = view.camera.position + view.camera.rotation * surface.position_at(at);

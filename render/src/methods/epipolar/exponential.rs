@@ -6,8 +6,8 @@ const ROUND: f32 = 12_582_912.0;
 const COEFFICIENTS: [f32; 6] =
     [1.540_353e-4, 1.333_355_8e-3, 9.618_129e-3, 5.550_411e-2, 2.402_265e-1, 6.931_472e-1];
 
-/// `exp(x)`, to a few units in the last place of what `x / ln 2` is rounded to; of less than -87 the least normal
-/// number or so, of more than 87 the largest power of two.
+/// `exp(x)`, to a few units in the last place of what `x / ln 2` is rounded to; of less than -87 the least
+/// normal number or so, of more than 87 the largest power of two.
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
     let power = (x * std::f32::consts::LOG2_E).clamp(-126.0, 126.0);

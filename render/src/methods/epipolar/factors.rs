@@ -1,11 +1,11 @@
-//! The integrand as a sum of products (Baran et al. 2010, section 6): `I(gamma, beta) = sum of Gamma_i(gamma)
-//! B_i(beta)`, by the singular value decomposition of 64 x 64 samples, for every colour of which there is one in the
-//! tree.
+//! The integrand as a sum of products (Baran et al. 2010, section 6):
+//! `I(gamma, beta) = sum of Gamma_i(gamma) B_i(beta)`, by the singular value decomposition of 64 x 64
+//! samples, for every colour of which there is one in the tree.
 //!
-//! Samples are denser towards the eye, quadratically in `gamma`, since in dense fog all that counts is there, and
-//! denser opposite to the light, where the ways that light goes grow without bound ([`steepness`]). Between them
-//! vectors are interpolated by cubic curves (Catmull and Rom 1974), whose error is far below that of leaving out
-//! terms, where straight lines' is not.
+//! Samples are denser towards the eye, quadratically in `gamma`, since in dense fog all that counts is there,
+//! and denser opposite to the light, where the ways that light goes grow without bound ([`steepness`]).
+//! Between them vectors are interpolated by cubic curves (Catmull and Rom 1974), whose error is far below
+//! that of leaving out terms, where straight lines' is not.
 
 use super::geometry::angle;
 use super::integrand::Integrand;
@@ -31,8 +31,8 @@ pub struct Factors<const W: usize> {
 }
 
 impl<const W: usize> Factors<W> {
-    /// Of one integrand a colour (`W` is a multiple of their number), for light rays and for view rays between two
-    /// values of `beta`.
+    /// Of one integrand a colour (`W` is a multiple of their number), for light rays and for view rays
+    /// between two values of `beta`.
     pub fn new(integrands: &[Integrand<'_>], spacing: &Spacing, [low, high]: [f32; 2]) -> Self {
         let terms = W / integrands.len();
         let (low, high) = (f64::from(low), f64::from(high));
@@ -82,7 +82,8 @@ impl<const W: usize> Factors<W> {
         factors
     }
 
-    /// The integral along a view ray of each of `C` colours, from the sums of `Gamma_i` over its lit light rays.
+    /// The integral along a view ray of each of `C` colours, from the sums of `Gamma_i` over its lit light
+    /// rays.
     #[inline(always)]
     pub fn value<const C: usize>(&self, sums: &[f32; W], beta: f32) -> [f32; C] {
         let view = self.view(beta);
@@ -139,8 +140,8 @@ mod tests {
     use crate::scene::{Light, Scene};
     use glam::Vec3;
 
-    /// Largest error of `W` terms over the largest value, where rays meet, and the fourth singular value over the
-    /// first.
+    /// Largest error of `W` terms over the largest value, where rays meet, and the fourth singular value over
+    /// the first.
     fn error<const W: usize>(place: Place, light: Light, anisotropy: f32) -> [f64; 2] {
         let scene = Scene::default();
         let lamp = Lamp::new(&scene, &light);

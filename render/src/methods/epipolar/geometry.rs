@@ -1,10 +1,11 @@
-//! Rectified coordinates (Baran et al. 2010, sections 3 and 9): the half-plane through the line from the eye to the
-//! light, `alpha`; the view ray in it, `beta`; the light ray in it, `gamma`.
+//! Rectified coordinates (Baran et al. 2010, sections 3 and 9): the half-plane through the line from the eye
+//! to the light, `alpha`; the view ray in it, `beta`; the light ray in it, `gamma`.
 //!
-//! Points of a half-plane are `(along, aside)`: metres from the eye towards the light, and away from that line.
-//! `gamma` is the distance of a parallel light ray from the eye, or the angle of another one to the line from the
-//! light to the eye. In place of the angle `beta` goes `1 - along / (|along| + aside)`, from 0 at the light to 2
-//! opposite to it, which grows with the angle almost evenly and costs one division ([`beta`]).
+//! Points of a half-plane are `(along, aside)`: metres from the eye towards the light, and away from that
+//! line. `gamma` is the distance of a parallel light ray from the eye, or the angle of another one to the
+//! line from the light to the eye. In place of the angle `beta` goes `1 - along / (|along| + aside)`, from 0
+//! at the light to 2 opposite to it, which grows with the angle almost evenly and costs one division
+//! ([`beta`]).
 
 use super::super::shafts::{Place, ViewRays};
 use glam::{DVec2, Vec3};
@@ -76,8 +77,8 @@ impl Geometry {
         aside.normalize_or(self.axis.any_orthonormal_vector())
     }
 
-    /// Where the light is in the image, or opposite to it if it is behind the eye: the point through which all
-    /// half-planes go, pixels from the top left corner.
+    /// Where the light is in the image, or opposite to it if it is behind the eye: the point through which
+    /// all half-planes go, pixels from the top left corner.
     pub fn epipole(&self, rays: &ViewRays) -> DVec2 {
         let axis = rays.direction_to_camera(self.axis).as_dvec3();
         let forward = (-axis.z).abs().max(LEAST_FORWARD).copysign(-axis.z);

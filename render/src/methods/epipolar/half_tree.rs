@@ -1,9 +1,9 @@
-//! The partial-sum half-tree (Baran et al. 2010, section 5, after Fenwick 1994): prefix sums of a list that changes,
-//! in logarithmic time each.
+//! The partial-sum half-tree (Baran et al. 2010, section 5, after Fenwick 1994): prefix sums of a list that
+//! changes, in logarithmic time each.
 //!
-//! A node is the sum of its two children. Sums from the first element on never ask a right child above the leaves, so
-//! that only left ones are kept, and all leaves, which the last, fractional element needs: 1.5 vectors an element, in
-//! one array.
+//! A node is the sum of its two children. Sums from the first element on never ask a right child above the
+//! leaves, so that only left ones are kept, and all leaves, which the last, fractional element needs: 1.5
+//! vectors an element, in one array.
 
 /// Prefix sums of vectors.
 #[derive(Debug, Default)]
@@ -40,8 +40,8 @@ impl<const W: usize> HalfTree<W> {
         }
     }
 
-    /// Adds to an element. At every level there is a node to write, to which nothing is added if the element is on the
-    /// right: no branch is to be guessed.
+    /// Adds to an element. At every level there is a node to write, to which nothing is added if the element
+    /// is on the right: no branch is to be guessed.
     #[inline(always)]
     pub fn add(&mut self, index: usize, change: &[f32; W]) {
         self.nodes[index] = sum(&self.nodes[index], change);
@@ -54,7 +54,8 @@ impl<const W: usize> HalfTree<W> {
         }
     }
 
-    /// Sum of the first `end` elements, a part of the one behind them included where `end` is no whole number.
+    /// Sum of the first `end` elements, a part of the one behind them included where `end` is no whole
+    /// number.
     #[inline(always)]
     pub fn sum_before(&self, end: f32) -> [f32; W] {
         let whole = end as usize;

@@ -1,11 +1,12 @@
-//! What a point of a half-plane sends to the eye if light reaches it: the integrand `I(gamma, beta)` of Baran et al.
-//! 2010 (equation 3), without what depends on the light ray alone or the view ray alone.
+//! What a point of a half-plane sends to the eye if light reaches it: the integrand `I(gamma, beta)` of Baran
+//! et al. 2010 (equation 3), without what depends on the light ray alone or the view ray alone.
 //!
-//! Along a view ray at the angle `beta` to the light, a step `d gamma` between light rays is `d gamma / sin beta`
-//! metres of a parallel light's, and `r^2 / (R sin beta) d gamma` of that of a light `R` metres away whose ray has
-//! come `r` metres. The inverse square cancels, and what has no bound at the epipole, `1 / sin beta`, is the view
-//! ray's alone. What is left is smooth: transmittance along both ways, for local lights with the phase function and
-//! the light's end. The phase function of a parallel light is the view ray's alone, too.
+//! Along a view ray at the angle `beta` to the light, a step `d gamma` between light rays is
+//! `d gamma / sin beta` metres of a parallel light's, and `r^2 / (R sin beta) d gamma` of that of a light `R`
+//! metres away whose ray has come `r` metres. The inverse square cancels, and what has no bound at the
+//! epipole, `1 / sin beta`, is the view ray's alone. What is left is smooth: transmittance along both ways,
+//! for local lights with the phase function and the light's end. The phase function of a parallel light is
+//! the view ray's alone, too.
 
 use super::super::shafts::{Haze, Lamp};
 use super::geometry::{Geometry, angle};
@@ -20,13 +21,14 @@ pub struct Integrand<'a> {
     pub extinction: f64,
     pub phase: HenyeyGreenstein,
     pub ways: Ways,
-    /// The largest sum of both angles at which a view ray meets a local light's ray, radians. Beyond, where rays that
-    /// meet farther away than anything is seen would leave a jump, the integrand goes on smoothly.
+    /// The largest sum of both angles at which a view ray meets a local light's ray, radians. Beyond, where
+    /// rays that meet farther away than anything is seen would leave a jump, the integrand goes on smoothly.
     pub widest: f64,
 }
 
-/// How far light goes in all before it can be in the medium's box: the unit in which the optical depths of the view
-/// ray, the light ray and the rest are stated, so that none of the three factors leaves the range of numbers.
+/// How far light goes in all before it can be in the medium's box: the unit in which the optical depths of
+/// the view ray, the light ray and the rest are stated, so that none of the three factors leaves the range of
+/// numbers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Ways {
     /// From the eye to the box, metres.

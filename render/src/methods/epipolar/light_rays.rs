@@ -1,5 +1,6 @@
-//! The light rays of a slice: where each enters the medium and where its light ends. That is the rectified shadow map
-//! of Baran et al. 2010 (section 3), of parallel light rays here and of those of local lights (section 9).
+//! The light rays of a slice: where each enters the medium and where its light ends. That is the rectified
+//! shadow map of Baran et al. 2010 (section 3), of parallel light rays here and of those of local lights
+//! (section 9).
 
 use super::super::shafts::{Haze, Parallel, ShadowMap, Stereographic, TOGETHER};
 use super::geometry::{Geometry, beta};
@@ -12,8 +13,8 @@ use glam::Vec3;
 /// What is known of the light rays of a slice, one after the other.
 #[derive(Debug, Default)]
 pub struct Traced {
-    /// The values of [`beta`] at which light ends, of [`SAMPLES`] samples spread evenly over what belongs to it: of
-    /// the first sample of all light rays, of the second, and so on.
+    /// The values of [`beta`] at which light ends, of [`SAMPLES`] samples spread evenly over what belongs to
+    /// it: of the first sample of all light rays, of the second, and so on.
     pub ends: [Vec<f32>; SAMPLES],
     /// Between which values of [`beta`] it is in the medium.
     pub enters: Vec<f32>,
@@ -50,7 +51,8 @@ pub struct ParallelSlice<'a> {
     /// Texels and depth of the eye, and by how much they grow from one light ray to the next.
     at_eye: [f32; 3],
     per_metre: [f32; 3],
-    /// By axis, where a light ray at `gamma` goes out of the medium's box and into it: their values at 0 and slopes.
+    /// By axis, where a light ray at `gamma` goes out of the medium's box and into it: their values at 0 and
+    /// slopes.
     faces: [[[f32; 2]; 2]; 3],
     ways: Ways,
 }

@@ -1,8 +1,9 @@
 //! By how much errors of the integrand's decomposition are magnified.
 //!
-//! The integrand counts ways from the points of the medium's box that are nearest to the eye and to the light. On a
-//! view ray that enters it farther away, and of light rays that do, less is left, and the rest is multiplied by what
-//! the integrand took away too much: its errors, too, which are shares of its largest value.
+//! The integrand counts ways from the points of the medium's box that are nearest to the eye and to the
+//! light. On a view ray that enters it farther away, and of light rays that do, less is left, and the rest is
+//! multiplied by what the integrand took away too much: its errors, too, which are shares of its largest
+//! value.
 
 use super::super::shafts::{Haze, Lit, Place};
 use super::integrand::Ways;
@@ -23,8 +24,8 @@ pub struct Magnified<'a> {
 }
 
 impl Magnified<'_> {
-    /// Whether the optical depth, in the colour that is dimmed most, that the integrand counts too much on a view ray
-    /// and on the light rays which it crosses is too much.
+    /// Whether the optical depth, in the colour that is dimmed most, that the integrand counts too much on a
+    /// view ray and on the light rays which it crosses is too much.
     pub fn is_too_much(&self, ray: usize) -> bool {
         let [near, far] = self.lit.rays.spans[ray];
         let of_light = || {
@@ -42,8 +43,8 @@ impl Magnified<'_> {
         self.haze.bounds().is_some_and(|bounds| times * extinction * bounds.diagonal() > self.most)
     }
 
-    /// How much too far the light ray is counted through a point of a view ray, metres. Between two points it is
-    /// hardly more than at both.
+    /// How much too far the light ray is counted through a point of a view ray, metres. Between two points it
+    /// is hardly more than at both.
     fn of_light(&self, ray: usize, distance: f32) -> f32 {
         let eye = self.lit.rays.eye;
         let point = eye + self.lit.rays.directions[ray] * distance;

@@ -1,23 +1,24 @@
 //! `epipolar`: single scattering by partial-sum trees in epipolar slices.
 //!
-//! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for Single
-//! Scattering". Half-planes through the line from the eye to the light hold view rays and light rays alike
-//! ([`geometry`], [`slices`], [`spacing`]). In each, a sweep over the view rays, away from the light ([`order`]),
-//! takes light rays out of a tree where they meet a surface ([`terminations`]); what a view ray receives is the sum
-//! of those before its end ([`half_tree`], [`sweep`]). What they send is a sum of few products ([`integrand`],
-//! [`factors`], [`svd`]).
+//! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for
+//! Single Scattering". Half-planes through the line from the eye to the light hold view rays and light rays
+//! alike ([`geometry`], [`slices`], [`spacing`]). In each, a sweep over the view rays, away from the light
+//! ([`order`]), takes light rays out of a tree where they meet a surface ([`terminations`]); what a view ray
+//! receives is the sum of those before its end ([`half_tree`], [`sweep`]). What they send is a sum of few
+//! products ([`integrand`], [`factors`], [`svd`]).
 //!
-//! Beyond the paper: point lights, Henyey and Greenstein's phase function, media of other colours than grey, and boxes
-//! of fog, which light rays enter and leave as they end: their way to the box is a factor of the light ray's. Pixels
-//! ask the trees of both slices that they lie between ([`slice_rays`]). Since what has no bound at the epipole is a
-//! factor of the view ray's, the ring around it that must be marched is as small as view rays that cross fewer than a
-//! few light rays. Opposite to a sun, and of lamps, the integrand has more terms. View rays on which errors of the
-//! products would be magnified are marched, too ([`magnified`]). At its best, the lit segments of sunlight whose rays
-//! are alike are integrated in closed form, without a tree ([`segments`]).
+//! Beyond the paper: point lights, Henyey and Greenstein's phase function, media of other colours than grey,
+//! and boxes of fog, which light rays enter and leave as they end: their way to the box is a factor of the
+//! light ray's. Pixels ask the trees of both slices that they lie between ([`slice_rays`]). Since what has no
+//! bound at the epipole is a factor of the view ray's, the ring around it that must be marched is as small as
+//! view rays that cross fewer than a few light rays. Opposite to a sun, and of lamps, the integrand has more
+//! terms. View rays on which errors of the products would be magnified are marched, too ([`magnified`]). At
+//! its best, the lit segments of sunlight whose rays are alike are integrated in closed form, without a tree
+//! ([`segments`]).
 //!
-//! Why it: a view ray costs the logarithm of the number of light rays, whatever hides the light, where a march costs
-//! all of its steps. Why not: media must be the same throughout; shadows are averaged over a pixel to both sides; of a
-//! box of dense fog that is seen from outside, only the near part is not marched.
+//! Why it: a view ray costs the logarithm of the number of light rays, whatever hides the light, where a
+//! march costs all of its steps. Why not: media must be the same throughout; shadows are averaged over a
+//! pixel to both sides; of a box of dense fog that is seen from outside, only the near part is not marched.
 
 mod exponential;
 mod factors;
@@ -79,8 +80,8 @@ pub struct EpipolarParameters {
 pub enum Terms {
     /// As in the paper, for distant lights unless the view is opposite to them; else twelve.
     Four,
-    /// To the precision of the numbers; where all rays of a distant light are alike none, but the closed form of each
-    /// lit segment.
+    /// To the precision of the numbers; where all rays of a distant light are alike none, but the closed form
+    /// of each lit segment.
     Twelve,
 }
 

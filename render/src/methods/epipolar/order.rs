@@ -73,7 +73,8 @@ impl Order {
     }
 }
 
-/// How many come before each place; who puts each in its slot, and moves the slot on, has how many there are up to it.
+/// How many come before each place; who puts each in its slot, and moves the slot on, has how many there are
+/// up to it.
 #[inline(always)]
 pub fn counted(counts: &mut Vec<u32>, places: impl Iterator<Item = usize>) -> &mut [u32] {
     counts.clear();

@@ -1,5 +1,5 @@
-//! Visibility prefiltering (Baran et al. 2010, section 7): between a light ray and the next, light ends at several
-//! depths, which are gathered into modes.
+//! Visibility prefiltering (Baran et al. 2010, section 7): between a light ray and the next, light ends at
+//! several depths, which are gathered into modes.
 
 /// Samples of a light ray's depth.
 pub const SAMPLES: usize = 4;

@@ -1,5 +1,5 @@
-//! View rays and light rays of one lamp, in all of its slices, and the way through them that is common to all that
-//! integrate slice by slice.
+//! View rays and light rays of one lamp, in all of its slices, and the way through them that is common to all
+//! that integrate slice by slice.
 
 use super::super::shafts::{DEEP, Haze, Lamp, Lit, Place, Projection};
 use super::exponential::exp;
@@ -21,11 +21,11 @@ const BACK: f32 = 1.7;
 /// The largest sum of the angles of rays that count as meeting, radians.
 const WIDEST: f64 = std::f64::consts::PI - 2e-3;
 
-/// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the terms of
-/// the integrand in each of `C` colours.
+/// A way to integrate along the view rays of a slice, kept from slice to slice. `W` numbers a light ray: the
+/// terms of the integrand in each of `C` colours.
 pub trait SliceIntegration<const W: usize, const C: usize>: Default + Send {
-    /// Fills in the values of view rays: for each colour the sum over lit light rays of what `factors` stand for,
-    /// times the light rays' weights.
+    /// Fills in the values of view rays: for each colour the sum over lit light rays of what `factors` stand
+    /// for, times the light rays' weights.
     fn integrate<L: SliceOfLight>(
         &mut self,
         slice: &Slice<'_, L>,
@@ -64,9 +64,9 @@ pub struct Rectified<'a> {
 }
 
 impl<'a> Rectified<'a> {
-    /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or is a
-    /// grid. View rays that cross fewer than `least` light rays are left to others, and so are those on which errors
-    /// of the integrand are magnified by more than the exponential of `most_magnified`.
+    /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or
+    /// is a grid. View rays that cross fewer than `least` light rays are left to others, and so are those on
+    /// which errors of the integrand are magnified by more than the exponential of `most_magnified`.
     pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32, most_magnified: f32) -> Option<Self> {
         let haze = Haze::of(lit.medium)?;
         let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
@@ -235,8 +235,8 @@ impl<I: SliceIntegration<W, C>, L: SliceOfLight, const W: usize, const C: usize>
 }
 
 impl<L: SliceOfLight> Slice<'_, L> {
-    /// What is left of a light ray's light where the integrand begins to count, of each colour; its way through the
-    /// medium being so much `longer`, metres.
+    /// What is left of a light ray's light where the integrand begins to count, of each colour; its way
+    /// through the medium being so much `longer`, metres.
     #[inline(always)]
     pub fn weight<const C: usize>(&self, ray: usize, longer: f32) -> [f32; C] {
         let lamp: &Lamp<'_> = self.of.lit.lamp;

@@ -1,6 +1,6 @@
-//! The integrals of one slice's view rays by what is lit of each, in closed form (Max 1986, "Atmospheric Illumination
-//! and Shadows"): for distant lamps whose rays are alike. A sweep over the view rays keeps which samples of light
-//! rays are lit, a bit each; the lit segments of a view ray are read from it.
+//! The integrals of one slice's view rays by what is lit of each, in closed form (Max 1986, "Atmospheric
+//! Illumination and Shadows"): for distant lamps whose rays are alike. A sweep over the view rays keeps which
+//! samples of light rays are lit, a bit each; the lit segments of a view ray are read from it.
 
 use super::super::shafts::{Faces, Place};
 use super::factors::Factors;
@@ -63,8 +63,8 @@ impl<const C: usize> SliceIntegration<C, C> for SegmentSweep {
 }
 
 impl SegmentSweep {
-    /// Notes which samples are lit where the sweep begins, and in its order where each is no more. Where they enter
-    /// the medium matters only if they end before, since view rays are only followed in it.
+    /// Notes which samples are lit where the sweep begins, and in its order where each is no more. Where they
+    /// enter the medium matters only if they end before, since view rays are only followed in it.
     #[inline(always)]
     fn gather(&mut self) {
         let sweep = self.order.sweep;

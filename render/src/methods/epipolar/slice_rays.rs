@@ -1,8 +1,9 @@
 //! View rays in rectified coordinates, slice by slice, and back.
 //!
-//! Where Baran et al. resample the camera's depths into slices and the result back into the image, each pixel asks
-//! both slices that it lies between for its own angle and its own depth, and takes the mean by its distance to them.
-//! That costs as many questions as a depth map of twice the pixels, and edges in depth stay where they are.
+//! Where Baran et al. resample the camera's depths into slices and the result back into the image, each pixel
+//! asks both slices that it lies between for its own angle and its own depth, and takes the mean by its
+//! distance to them. That costs as many questions as a depth map of twice the pixels, and edges in depth stay
+//! where they are.
 
 use super::super::shafts::ViewRays;
 use super::geometry::{Geometry, beta};
@@ -77,8 +78,8 @@ impl Place {
 }
 
 impl SliceRays {
-    /// Sorts view rays, but for those that cross fewer than `least` light rays, that are almost opposite to the
-    /// light, and that are `left_out`.
+    /// Sorts view rays, but for those that cross fewer than `least` light rays, that are almost opposite to
+    /// the light, and that are `left_out`.
     pub fn new(
         view: &ViewRays,
         seen: &[Seen],

@@ -1,10 +1,10 @@
-//! Which epipolar slices there are: lines through the epipole, so close that no pixel is more than half a pixel from
-//! one (Baran et al. 2010, section 8).
+//! Which epipolar slices there are: lines through the epipole, so close that no pixel is more than half a
+//! pixel from one (Baran et al. 2010, section 8).
 //!
-//! Neighbouring slices are farthest from each other where they leave the image. Along an edge that is `h` pixels from
-//! the epipole, a step of one in `h asinh(x / h)` is one pixel across the slices, `x` being the distance from the
-//! foot of the epipole. Only edges through which slices leave count: all four around an epipole in the image, those
-//! on the far side of another.
+//! Neighbouring slices are farthest from each other where they leave the image. Along an edge that is `h`
+//! pixels from the epipole, a step of one in `h asinh(x / h)` is one pixel across the slices, `x` being the
+//! distance from the foot of the epipole. Only edges through which slices leave count: all four around an
+//! epipole in the image, those on the far side of another.
 
 use glam::DVec2;
 
@@ -85,7 +85,8 @@ impl Slices {
         self.epipole + outwards * height + along * (height * (at / height).sinh())
     }
 
-    /// Between which slices a point of the image is: the number of the one before, and how far on to the next.
+    /// Between which slices a point of the image is: the number of the one before, and how far on to the
+    /// next.
     #[inline]
     pub fn of(&self, point: DVec2) -> (usize, f32) {
         let number = self.number(point - self.epipole);

@@ -1,5 +1,5 @@
-//! At which values of `gamma` the light rays of all slices are: denser towards the line from the eye to the light,
-//! since view rays near it cross none that are farther away.
+//! At which values of `gamma` the light rays of all slices are: denser towards the line from the eye to the
+//! light, since view rays near it cross none that are farther away.
 
 use super::super::shafts::TOGETHER;
 use super::prefilter::SAMPLES;
@@ -13,15 +13,15 @@ pub struct Spacing {
     reach: f32,
     /// How many light rays there are.
     pub count: usize,
-    /// `gamma` in the middle of the first sample of each light ray, of the second, and so on; of whole blocks, the
-    /// last of which may go on behind the last light ray.
+    /// `gamma` in the middle of the first sample of each light ray, of the second, and so on; of whole
+    /// blocks, the last of which may go on behind the last light ray.
     pub samples: [Vec<f32>; SAMPLES],
     /// `gamma` in the middle of each light ray.
     pub middles: Vec<f32>,
 }
 
-/// How far light rays are from each other at the first, as a share of what they are on average; from there it grows
-/// linearly.
+/// How far light rays are from each other at the first, as a share of what they are on average; from there it
+/// grows linearly.
 const DENSEST: f32 = 0.1;
 
 impl Spacing {

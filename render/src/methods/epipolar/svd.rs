@@ -1,5 +1,5 @@
-//! Singular value decomposition by one-sided Jacobi rotations (Golub and Van Loan 1996, section 8.6.3): pairs of
-//! columns are turned until all are perpendicular; their lengths are the singular values.
+//! Singular value decomposition by one-sided Jacobi rotations (Golub and Van Loan 1996, section 8.6.3): pairs
+//! of columns are turned until all are perpendicular; their lengths are the singular values.
 
 /// The leading terms of a matrix: `a[row][column] = sum over i of rows[i][row] * columns[i][column]`.
 #[derive(Clone, Debug)]
@@ -52,8 +52,8 @@ impl Svd {
     }
 }
 
-/// Cosine and sine of the turn that makes two columns perpendicular; `None` where they are, or their product is
-/// `nothing`.
+/// Cosine and sine of the turn that makes two columns perpendicular; `None` where they are, or their product
+/// is `nothing`.
 fn rotation(a: &[f64], b: &[f64], nothing: f64) -> Option<[f64; 2]> {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
     if ab.abs() <= nothing.max(PERPENDICULAR * (aa * bb).sqrt()) {

@@ -1,5 +1,5 @@
-//! The integrals of one slice's view rays (Baran et al. 2010, Figure 6): a sweep over them, from the light away, with
-//! a partial-sum tree over the light rays.
+//! The integrals of one slice's view rays (Baran et al. 2010, Figure 6): a sweep over them, from the light
+//! away, with a partial-sum tree over the light rays.
 
 use super::factors::Factors;
 use super::half_tree::HalfTree;

@@ -1,6 +1,6 @@
 //! When light rays are lit and when no more, in the order in which a sweep over view rays meets it: the
-//! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters the
-//! medium.
+//! `termination_depths` of Baran et al. 2010 (Figure 6), with modes (section 7) and with where light enters
+//! the medium.
 
 use super::light_rays::{SliceOfLight, Traced};
 use super::order::{Order, PLACES, Sweep, counted};
@@ -40,9 +40,10 @@ pub struct Terminations {
 }
 
 impl Terminations {
-    /// Those of the first `count` light rays of a slice. What changes beyond the view rays that are there or later in
-    /// the sweep is left out, such as where light rays end on a surface that hides what is behind it. If the eye is
-    /// inside the medium, view rays do not ask for light before it enters or after it leaves.
+    /// Those of the first `count` light rays of a slice. What changes beyond the view rays that are there or
+    /// later in the sweep is left out, such as where light rays end on a surface that hides what is behind
+    /// it. If the eye is inside the medium, view rays do not ask for light before it enters or after it
+    /// leaves.
     #[inline(always)]
     pub fn gather(&mut self, slice: &impl SliceOfLight, count: usize, order: &Order, is_inside: bool) {
         slice.trace(count, &mut self.traced);
@@ -89,8 +90,8 @@ impl Terminations {
         }
     }
 
-    /// Notes where a light ray is lit that ends at several places or enters on the way; its share that is lit at the
-    /// beginning.
+    /// Notes where a light ray is lit that ends at several places or enters on the way; its share that is lit
+    /// at the beginning.
     #[inline(always)]
     fn changes_of_modes(&mut self, ray: usize, reach: &[f32], is_inside: bool) -> f32 {
         let enters = self.traced.enters[ray];

@@ -1,15 +1,17 @@
-//! `epipolar-sampling`: single scattering marched at few places along epipolar lines, interpolated between them.
+//! `epipolar-sampling`: single scattering marched at few places along epipolar lines, interpolated between
+//! them.
 //!
-//! Engelhardt and Dachsbacher 2010, "Epipolar Sampling for Shadows and Crepuscular Rays in Participating Media with
-//! Single Scattering": along a line through the epipole scattered light varies little but where the depth of what is
-//! seen jumps. Pixels are sorted into the slices of [`epipolar`](super::epipolar), each into the nearest, and marched
-//! where a slice begins and ends, every few pixels between, and on both sides of jumps; the others are between the
-//! two marched ones before and behind them. Lines are one pixel apart, so that every pixel has its own place and
-//! depth in one: the authors' bilateral filter between coarser lines is not needed.
+//! Engelhardt and Dachsbacher 2010, "Epipolar Sampling for Shadows and Crepuscular Rays in Participating
+//! Media with Single Scattering": along a line through the epipole scattered light varies little but where
+//! the depth of what is seen jumps. Pixels are sorted into the slices of [`epipolar`](super::epipolar), each
+//! into the nearest, and marched where a slice begins and ends, every few pixels between, and on both sides
+//! of jumps; the others are between the two marched ones before and behind them. Lines are one pixel apart,
+//! so that every pixel has its own place and depth in one: the authors' bilateral filter between coarser
+//! lines is not needed.
 //!
-//! Why it: cheap where depths seldom jump. Why not: a shadow's edge that crosses a line where no depth jumps, such as
-//! that of a narrow beam before a wall, is missed (Baran et al. 2010, Figure 13), and leaves make depths jump
-//! everywhere.
+//! Why it: cheap where depths seldom jump. Why not: a shadow's edge that crosses a line where no depth jumps,
+//! such as that of a narrow beam before a wall, is missed (Baran et al. 2010, Figure 13), and leaves make
+//! depths jump everywhere.
 
 use super::Quality;
 use super::epipolar::{Geometry, Lines, beta};
@@ -79,8 +81,8 @@ impl Integration for EpipolarSamplingParameters {
 impl EpipolarSamplingParameters {
     /// Radiance of the pixels of a line, in its order.
     ///
-    /// Towards a local lamp radiance grows as one over the sine of the angle to it: what is interpolated is its product
-    /// with that.
+    /// Towards a local lamp radiance grows as one over the sine of the angle to it: what is interpolated is
+    /// its product with that.
     fn line(
         &self,
         line: &[u32],

@@ -1,15 +1,15 @@
 //! `gpu-march`: single scattering by steps along every view ray, on the GPU.
 //!
-//! What [`ray_march`](super::ray_march) does on the processor, with the frame's shadow maps. Steps are as many on every ray
-//! and shifted by a number of the pixel's own; towards local lamps they are of equal angle, as seen from the lamp, which
-//! bring the same light each (Kulla and Fajardo 2012). What a step scatters, it scatters evenly, and what is left of that at the
-//! eye is exact.
+//! What [`ray_march`](super::ray_march) does on the processor, with the frame's shadow maps. Steps are as
+//! many on every ray and shifted by a number of the pixel's own; towards local lamps they are of equal angle,
+//! as seen from the lamp, which bring the same light each (Kulla and Fajardo 2012). What a step scatters, it
+//! scatters evenly, and what is left of that at the eye is exact.
 //!
-//! Why it: nothing lies between it and the medium, grids neither; the reference of a frame loop. Why not: it costs pixels
-//! times steps times lamps, which are passes of their own.
+//! Why it: nothing lies between it and the medium, grids neither; the reference of a frame loop. Why not: it
+//! costs pixels times steps times lamps, which are passes of their own.
 //!
-//! Limits. Light of point, spot and directional lights only. Shadows are as fine as the frame's maps; through grids the
-//! way to a lamp is 32 points.
+//! Limits. Light of point, spot and directional lights only. Shadows are as fine as the frame's maps; through
+//! grids the way to a lamp is 32 points.
 
 pub mod reference;
 #[cfg(test)]

@@ -1,18 +1,21 @@
 //! `froxel`: single scattering in a grid of cells that are aligned with the view.
 //!
-//! Wronski, "Volumetric Fog: Unified Compute Shader Based Solution to Atmospheric Scattering", SIGGRAPH 2014 courses; Hillaire,
-//! "Physically Based and Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015 courses. The view is cut into columns of
-//! so many pixels and each of them into slices. One pass looks for light in every froxel, one sums columns front to back, and one
-//! reads the sums between columns and slices for each pixel.
+//! Wronski, "Volumetric Fog: Unified Compute Shader Based Solution to Atmospheric Scattering", SIGGRAPH 2014
+//! courses; Hillaire, "Physically Based and Unified Volumetric Rendering in Frostbite", SIGGRAPH 2015
+//! courses. The view is cut into columns of so many pixels and each of them into slices. One pass looks for
+//! light in every froxel, one sums columns front to back, and one reads the sums between columns and slices
+//! for each pixel.
 //!
-//! Here slices divide each ray's own way through the medium, so that they begin at its surface, and light is looked for at the
-//! same places in all froxels, shifted from frame to frame: a still has no noise, and frames that are mixed see more places.
+//! Here slices divide each ray's own way through the medium, so that they begin at its surface, and light is
+//! looked for at the same places in all froxels, shifted from frame to frame: a still has no noise, and
+//! frames that are mixed see more places.
 //!
-//! Why it: it costs froxels times lamps, however many pixels there are, and goes through grids. It is what engines ship.
-//! Why not: shafts finer than a froxel are missed or blurred, and light leaks as far in front of a surface as a slice is thick.
+//! Why it: it costs froxels times lamps, however many pixels there are, and goes through grids. It is what
+//! engines ship. Why not: shafts finer than a froxel are missed or blurred, and light leaks as far in front
+//! of a surface as a slice is thick.
 //!
-//! Limits. Froxels do not end where surfaces do: in a room in fog that reaches far beyond it few slices are within. A binding
-//! holds 8 million: at 1920x1080 `high` and `ultra` have 64 slices in place of 96 and 128.
+//! Limits. Froxels do not end where surfaces do: in a room in fog that reaches far beyond it few slices are
+//! within. A binding holds 8 million: at 1920x1080 `high` and `ultra` have 64 slices in place of 96 and 128.
 
 pub mod reference;
 #[cfg(test)]

@@ -97,7 +97,8 @@ fn sums(lit: &LitMedium<'_>, froxels: &uniforms::Froxels, view: &View, column: U
     all
 }
 
-/// Radiance that a metre of density 1 sends to the eye, over its scattering coefficient, and density times length.
+/// Radiance that a metre of density 1 sends to the eye, over its scattering coefficient, and density times
+/// length.
 fn scattered(lit: &LitMedium<'_>, froxels: &uniforms::Froxels, view: &View, cell: UVec3) -> (Vec3, f32) {
     let (eye, shift) = (view.camera.position, shift(froxels));
     let pixel = (cell.truncate().as_vec2() + shift.truncate()) * froxels.tile as f32;

@@ -1,5 +1,5 @@
-//! The passes against their plain version, and how many froxels there are. Closed forms and where geometry degenerates are in
-//! `shafts/tests`.
+//! The passes against their plain version, and how many froxels there are. Closed forms and where geometry
+//! degenerates are in `shafts/tests`.
 
 use super::*;
 use crate::methods::proving::Tolerance;

@@ -1,21 +1,22 @@
 //! Fast approximate anti-aliasing: the filter that the thesis names as the practice beside its network (7.4).
 //!
-//! Lottes, "FXAA", NVIDIA white paper 2009, as of version 3.11 (2011), quality. Where the luma of a pixel and its four
-//! neighbours differs enough there is an edge. Second differences of the eight neighbours tell whether it runs along rows
-//! or columns, and it is followed both ways, in steps that grow, until luma leaves the mean of the edge's two sides. The
-//! nearer end says how much of the pixel lies beyond the edge: at the end half of it, in the middle of the edge nothing.
-//! By so much the pixel is blended with its neighbour across the edge; pixels that stand out from all their neighbours
-//! are blended at least by that.
+//! Lottes, "FXAA", NVIDIA white paper 2009, as of version 3.11 (2011), quality. Where the luma of a pixel and
+//! its four neighbours differs enough there is an edge. Second differences of the eight neighbours tell
+//! whether it runs along rows or columns, and it is followed both ways, in steps that grow, until luma leaves
+//! the mean of the edge's two sides. The nearer end says how much of the pixel lies beyond the edge: at the
+//! end half of it, in the middle of the edge nothing. By so much the pixel is blended with its neighbour
+//! across the edge; pixels that stand out from all their neighbours are blended at least by that.
 //!
-//! The original reads a tone-mapped picture. Here light is linear and has no upper end: edges are looked for in the square
-//! root of luminance, where contrast is a share of the brightest pixel around and so does not depend on exposure, and
-//! what is blended is light itself, as truth averages it. Where the original takes the length of its last step on trust,
-//! here luma is looked at there as well.
+//! The original reads a tone-mapped picture. Here light is linear and has no upper end: edges are looked for
+//! in the square root of luminance, where contrast is a share of the brightest pixel around and so does not
+//! depend on exposure, and what is blended is light itself, as truth averages it. Where the original takes
+//! the length of its last step on trust, here luma is looked at there as well.
 //!
-//! Limits. Nothing that falls between samples comes back; textures and highlights are taken for edges; an edge is blended
-//! with what is across it, at most by half. What truth shows beside direct light, emission and the environment, is not in
-//! the g-buffer of the effect. Its rivals (morphological anti-aliasing, SMAA, CMAA2) recognise shapes of edges and need
-//! several passes over lists of them; this is the one that the thesis names.
+//! Limits. Nothing that falls between samples comes back; textures and highlights are taken for edges; an
+//! edge is blended with what is across it, at most by half. What truth shows beside direct light, emission
+//! and the environment, is not in the g-buffer of the effect. Its rivals (morphological anti-aliasing, SMAA,
+//! CMAA2) recognise shapes of edges and need several passes over lists of them; this is the one that the
+//! thesis names.
 
 pub mod reference;
 #[cfg(test)]
@@ -34,7 +35,8 @@ const MOST_STEPS: usize = 12;
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct FxaaParameters {
-    /// Lengths of the steps of the search for an edge's end, pixels; where there are fewer than 12, zeros come last.
+    /// Lengths of the steps of the search for an edge's end, pixels; where there are fewer than 12, zeros
+    /// come last.
     pub search: [f32; MOST_STEPS],
     /// Contrast of luma, as a share of the brightest around, above which there is an edge.
     #[schemars(range(min = 0.0, max = 1.0))]
@@ -89,12 +91,13 @@ pub struct Settings {
 }
 
 impl FxaaParameters {
-    /// Those of a quality: presets 10, 12, 29 and 39 of the original, which differ in the steps of the search, and the
-    /// contrasts that it calls low, default, more than enough and, for `Ultra`, every edge there is.
+    /// Those of a quality: presets 10, 12, 29 and 39 of the original, which differ in the steps of the
+    /// search, and the contrasts that it calls low, default, more than enough and, for `Ultra`, every edge
+    /// there is.
     ///
-    /// Swept on ten training pairs of `dataset/recipes/aa.toml` (rooms, colonnades, still lives, shelves, cities):
-    /// `subpixel` from 0.25 to 1 (best from 0.5 to 0.6; the original's 0.75 blurs too much), both contrasts, and luma with
-    /// an upper end, `sqrt(x / (1 + x))`, which is worse at each quality.
+    /// Swept on ten training pairs of `dataset/recipes/aa.toml` (rooms, colonnades, still lives, shelves,
+    /// cities): `subpixel` from 0.25 to 1 (best from 0.5 to 0.6; the original's 0.75 blurs too much), both
+    /// contrasts, and luma with an upper end, `sqrt(x / (1 + x))`, which is worse at each quality.
     pub fn of(quality: Quality) -> Self {
         let search: &[f32] = match quality {
             Quality::Low => &[1.5, 3.0, 12.0],

@@ -1,4 +1,5 @@
-//! The slow, plain version of `luma.wgsl` and `smooth.wgsl`, kept so close to them that both can be read side by side.
+//! The slow, plain version of `luma.wgsl` and `smooth.wgsl`, kept so close to them that both can be read side
+//! by side.
 
 use super::Settings;
 use crate::methods::Picture;

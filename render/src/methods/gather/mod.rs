@@ -1,17 +1,19 @@
-//! Subsurface scattering gathered on the screen: what the thesis trains on (7.4), with as many samples as there is time for.
+//! Subsurface scattering gathered on the screen: what the thesis trains on (7.4), with as many samples as
+//! there is time for.
 //!
-//! Truth sums over all pixels the profile of Christensen and Burley (2015) at their distance in space times the area of the
-//! surface that they show, divided by the sum of these weights. Here the sum is an estimate: positions on the screen are
-//! drawn by the profile itself, laid on the plane through the surface that faces the camera (Golubev, "Efficient
-//! screen-space subsurface scattering using Burley's normalized diffusion in real-time", SIGGRAPH 2018 courses), each colour
-//! by its own, evenly in the profile's share and turned by the golden angle. A sample weighs as truth's pixel does, over the
-//! density it was drawn with. The pixel's own share is known and is no sample. With many samples it becomes truth.
+//! Truth sums over all pixels the profile of Christensen and Burley (2015) at their distance in space times
+//! the area of the surface that they show, divided by the sum of these weights. Here the sum is an estimate:
+//! positions on the screen are drawn by the profile itself, laid on the plane through the surface that faces
+//! the camera (Golubev, "Efficient screen-space subsurface scattering using Burley's normalized diffusion in
+//! real-time", SIGGRAPH 2018 courses), each colour by its own, evenly in the profile's share and turned by
+//! the golden angle. A sample weighs as truth's pixel does, over the density it was drawn with. The pixel's
+//! own share is known and is no sample. With many samples it becomes truth.
 //!
-//! Limits. Few samples leave noise, above all where the surface is slanted or its pixels are much nearer in space than on
-//! the plane that samples are drawn on. The g-buffer of the effect has no normals: areas follow from differences of
-//! positions, which are those of flat triangles, and coarse where positions are half floats. What is not on the screen
-//! neither gives nor takes, in truth neither. Its rival, the two blurs of `methods/separable`, has no noise and does not
-//! converge.
+//! Limits. Few samples leave noise, above all where the surface is slanted or its pixels are much nearer in
+//! space than on the plane that samples are drawn on. The g-buffer of the effect has no normals: areas follow
+//! from differences of positions, which are those of flat triangles, and coarse where positions are half
+//! floats. What is not on the screen neither gives nor takes, in truth neither. Its rival, the two blurs of
+//! `methods/separable`, has no noise and does not converge.
 
 pub mod reference;
 #[cfg(test)]
@@ -70,9 +72,10 @@ impl Technique for GatherParameters {
 impl GatherParameters {
     /// Those of a quality: four times as many samples have half the noise.
     ///
-    /// Tried on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves, cities):
-    /// the same pattern at every pixel, which has no noise but copies of what is bright: SSIM likes that better (`High`:
-    /// 0.935, with noise 0.921), FLIP worse (0.076, 0.052). Noise has no bias, and stays.
+    /// Tried on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves,
+    /// cities): the same pattern at every pixel, which has no noise but copies of what is bright: SSIM likes
+    /// that better (`High`: 0.935, with noise 0.921), FLIP worse (0.076, 0.052). Noise has no bias, and
+    /// stays.
     pub fn of(quality: Quality) -> Self {
         let samples = match quality {
             Quality::Low => 8,

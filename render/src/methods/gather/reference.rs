@@ -1,4 +1,5 @@
-//! The slow, plain version of `areas.wgsl` and `gather.wgsl`, kept so close to them that both can be read side by side.
+//! The slow, plain version of `areas.wgsl` and `gather.wgsl`, kept so close to them that both can be read
+//! side by side.
 
 use crate::methods::Translucent;
 use crate::methods::picture::every_pixel;
@@ -40,7 +41,8 @@ pub fn area_of_surface(surface: &Translucent, settings: &uniforms::Gather, pixel
     size * size * -here.z / (here.length() * cosine)
 }
 
-/// The surface's way to the neighbour before or after, whichever is nearer in depth; 0 where there is neither.
+/// The surface's way to the neighbour before or after, whichever is nearer in depth; 0 where there is
+/// neither.
 fn way(surface: &Translucent, pixel: IVec2, here: Vec3, step: IVec2) -> Vec3 {
     let mut nearest = Vec3::ZERO;
     for side in [-1, 1] {

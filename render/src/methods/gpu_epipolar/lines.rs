@@ -9,7 +9,8 @@ pub struct Lines {
     size: Vec2,
     /// The epipole in homogeneous coordinates.
     epipole: Vec3,
-    /// How many leave before each place of the border, clockwise from where the line through the middle comes in.
+    /// How many leave before each place of the border, clockwise from where the line through the middle comes
+    /// in.
     numbers: Vec<f32>,
     /// How far that is from the top left corner.
     first_place: f32,

@@ -1,24 +1,28 @@
 //! `gpu-epipolar`: single scattering by partial sums in epipolar slices, on the GPU.
 //!
-//! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for Single Scattering", as
-//! [`epipolar`](super::epipolar) on the processor. A sweep that changes a tree light ray by light ray has an order that a GPU
-//! cannot keep; the paper's CUDA gives a thread to each slice. Here nodes of 4 to 64 light rays hold what they would at every
-//! moment of the sweep: their light rays in the order in which they end, with sums from each on. They are built by merging,
-//! all at once, and each pixel looks its moment up by bisection, in any order.
+//! Baran, Chen, Ragan-Kelley, Durand and Lehtinen 2010, "A Hierarchical Volumetric Shadow Algorithm for
+//! Single Scattering", as [`epipolar`](super::epipolar) on the processor. A sweep that changes a tree light
+//! ray by light ray has an order that a GPU cannot keep; the paper's CUDA gives a thread to each slice. Here
+//! nodes of 4 to 64 light rays hold what they would at every moment of the sweep: their light rays in the
+//! order in which they end, with sums from each on. They are built by merging, all at once, and each pixel
+//! looks its moment up by bisection, in any order.
 //!
-//! In place of the integrand's factors, which a processor would have to decompose for every frame and lamp, nodes sum the powers of
-//! the light rays' places, and within a node the integrand is a quadratic function of it: three values for each node on a
-//! pixel's way, of all colours, whatever the phase function and the ways through the box. Where it bends more than that, in
-//! dense fog, smaller nodes are asked, and single light rays in the end.
+//! In place of the integrand's factors, which a processor would have to decompose for every frame and lamp,
+//! nodes sum the powers of the light rays' places, and within a node the integrand is a quadratic function of
+//! it: three values for each node on a pixel's way, of all colours, whatever the phase function and the ways
+//! through the box. Where it bends more than that, in dense fog, smaller nodes are asked, and single light
+//! rays in the end.
 //!
-//! Lines through the epipole are counted along the image's border by how far apart they are across their direction, which the
-//! paper has in closed form, so that the epipole may be infinitely far away.
+//! Lines through the epipole are counted along the image's border by how far apart they are across their
+//! direction, which the paper has in closed form, so that the epipole may be infinitely far away.
 //!
-//! Why it: an image without noise and bands in about the time of a march of 16 steps (`low` of both; the book's page on fog has the figures). Why
-//! not: media must be the same throughout; where a lamp projects a picture, it goes light ray by light ray.
+//! Why it: an image without noise and bands in about the time of a march of 16 steps (`low` of both; the
+//! book's page on fog has the figures). Why not: media must be the same throughout; where a lamp projects a
+//! picture, it goes light ray by light ray.
 //!
-//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. A binding holds the sums of 832 of them at
-//! 1280x720, of 512 at 1920x1080 and of 256 at 3840x2160, so that higher qualities differ there in what is marched only.
+//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. A binding holds the
+//! sums of 832 of them at 1280x720, of 512 at 1920x1080 and of 256 at 3840x2160, so that higher qualities
+//! differ there in what is marched only.
 
 mod lines;
 pub mod passes;

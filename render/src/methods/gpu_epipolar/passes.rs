@@ -1,4 +1,5 @@
-//! What runs on the GPU, for each lamp: lines, the bounds of light rays, their ends, sums, the image, and what is marched of it.
+//! What runs on the GPU, for each lamp: lines, the bounds of light rays, their ends, sums, the image, and
+//! what is marched of it.
 
 use super::{GpuEpipolarParameters, LEVELS};
 use crate::methods::shafts::UNEVEN;
@@ -29,8 +30,8 @@ struct Binding<'a> {
     room: Room,
 }
 
-/// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`, which is black as it was made where there
-/// are no lamps.
+/// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`, which is black as it
+/// was made where there are no lamps.
 ///
 /// # Errors
 /// If there is no scene, its medium is a grid, or the device has no room.

@@ -1,4 +1,5 @@
-//! Light rays in epipolar slices in plain Rust, one after the other, without sums: the passes of `methods/epipolar`.
+//! Light rays in epipolar slices in plain Rust, one after the other, without sums: the passes of
+//! `methods/epipolar`.
 
 use super::lines::Lines;
 use crate::bvh::TracedScene;
@@ -14,7 +15,8 @@ use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{GBuffer, MissingAttribute, Planes, random};
 use glam::{UVec2, Vec3};
 
-/// Nearer to the line through a lamp than this, metres, or than this part of the lamp's distance, view rays are marched.
+/// Nearer to the line through a lamp than this, metres, or than this part of the lamp's distance, view rays
+/// are marched.
 const LEAST_ASIDE: [f32; 2] = [1e-4, 1e-5];
 
 /// The image, `[3, height, width]`; black without a medium.

@@ -18,8 +18,8 @@ use glam::Vec3;
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
-/// Rounding moves the border of a sector, which is a slice's 32nd, or puts a sample on the neighbouring pixel; the blur
-/// shares that out.
+/// Rounding moves the border of a sector, which is a slice's 32nd, or puts a sample on the neighbouring
+/// pixel; the blur shares that out.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 
 /// Many samples, no blur: the integral itself.

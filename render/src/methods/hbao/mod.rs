@@ -1,22 +1,23 @@
 //! Horizon-based ambient occlusion: the analytic rival that the thesis compares with (7.4, Figure 7.6).
 //!
-//! Bavoil, Sainz and Dimitrov, "Image-space horizon-based ambient occlusion", SIGGRAPH 2008 talks. Around each pixel
-//! the g-buffer is marched in several directions of the image. In each, the surface's tangent and the highest sample
-//! so far span the angles that are occluded; with elevations `t` and `h` above the image plane and the attenuation
-//! `W(r) = 1 - (r / radius)^2`, openness is `1 - strength * mean over directions of the sum of W * (sin h - sin t)`,
-//! summed whenever a sample raises the horizon. Directions are turned and samples shifted at random from pixel to
-//! pixel, and a separable blur that keeps edges removes the noise. Where the original shifts directions onto the grid
-//! of pixels, here each sample is measured from the tangent towards itself, which keeps slanted planes open.
+//! Bavoil, Sainz and Dimitrov, "Image-space horizon-based ambient occlusion", SIGGRAPH 2008 talks. Around
+//! each pixel the g-buffer is marched in several directions of the image. In each, the surface's tangent and
+//! the highest sample so far span the angles that are occluded; with elevations `t` and `h` above the image
+//! plane and the attenuation `W(r) = 1 - (r / radius)^2`, openness is
+//! `1 - strength * mean over directions of the sum of W * (sin h - sin t)`, summed whenever a sample raises
+//! the horizon. Directions are turned and samples shifted at random from pixel to pixel, and a separable blur
+//! that keeps edges removes the noise. Where the original shifts directions onto the grid of pixels, here
+//! each sample is measured from the tangent towards itself, which keeps slanted planes open.
 //!
-//! Limits. The g-buffer is taken for a height field: what is hidden behind something in front, behind the camera or
-//! outside the image does not occlude, and everything seen is infinitely thick towards the back. All directions
-//! count alike, while truth weighs them by their cosine to the normal; and attenuation fades towards the radius,
-//! where truth ends sharply. `strength` and `radius_scale` make up for that on average only. With
-//! normal maps the tangent is the shaded one, not the surface's own, and positions from half-float files are stepped;
-//! the bias has to absorb both.
+//! Limits. The g-buffer is taken for a height field: what is hidden behind something in front, behind the
+//! camera or outside the image does not occlude, and everything seen is infinitely thick towards the back.
+//! All directions count alike, while truth weighs them by their cosine to the normal; and attenuation fades
+//! towards the radius, where truth ends sharply. `strength` and `radius_scale` make up for that on average
+//! only. With normal maps the tangent is the shaded one, not the surface's own, and positions from half-float
+//! files are stepped; the bias has to absorb both.
 //!
-//! Its rivals need more of the renderer (ambient occlusion volumes) or weigh by the cosine (ground-truth ambient
-//! occlusion); this is the one that the published comparison has.
+//! Its rivals need more of the renderer (ambient occlusion volumes) or weigh by the cosine (ground-truth
+//! ambient occlusion); this is the one that the published comparison has.
 
 pub mod reference;
 #[cfg(test)]
@@ -48,8 +49,8 @@ pub struct HbaoParameters {
     /// Pixels on either side that the blur reaches; 0 is no blur.
     #[schemars(range(min = 0, max = 32), extend("unit" = "pixels"))]
     pub blur_radius: u32,
-    /// How much distance from the tangent plane weakens the blur: a neighbour one radius off the plane has the weight
-    /// `exp(-blur_sharpness^2)`.
+    /// How much distance from the tangent plane weakens the blur: a neighbour one radius off the plane has
+    /// the weight `exp(-blur_sharpness^2)`.
     #[schemars(range(min = 0.0, max = 65536.0))]
     pub blur_sharpness: f32,
 }

@@ -51,9 +51,10 @@ fn a_plane_is_open_however_it_is_tilted() {
     }
 }
 
-/// Looking straight down at a floor with a step up to a plateau. A point at the distance `a` from an edge that is `h`
-/// high sees, in the direction `theta` from the edge's normal, the horizon at `a / cos(theta)`, so that its occlusion
-/// is `1 / (2 pi)` times the integral of `h / r * (1 - (r / radius)^2)` with `r^2 = h^2 + (a / cos(theta))^2`.
+/// Looking straight down at a floor with a step up to a plateau. A point at the distance `a` from an edge
+/// that is `h` high sees, in the direction `theta` from the edge's normal, the horizon at `a / cos(theta)`,
+/// so that its occlusion is `1 / (2 pi)` times the integral of `h / r * (1 - (r / radius)^2)` with
+/// `r^2 = h^2 + (a / cos(theta))^2`.
 #[test]
 fn a_step_occludes_as_its_integral_says() {
     let (height, width) = (111, 111);

@@ -1,5 +1,5 @@
-//! Light in a medium by the grid: `fog-indirect`, which one surface throws into it, and `fog-multiple`, all that went
-//! another way with the medium in it but for single scattering.
+//! Light in a medium by the grid: `fog-indirect`, which one surface throws into it, and `fog-multiple`, all
+//! that went another way with the medium in it but for single scattering.
 
 use super::LpvParameters;
 use super::lit_volume::LitVolumes;

@@ -159,7 +159,8 @@ impl LitVolume {
         )
     }
 
-    /// Cells at each end of an axis that are not looked at: what a coarser volume hands over in them is not all of their light.
+    /// Cells at each end of an axis that are not looked at: what a coarser volume hands over in them is not
+    /// all of their light.
     fn unseen(&self) -> i32 {
         i32::from(self.is_nested)
     }

@@ -1,41 +1,46 @@
 //! `lpv`: light in a grid of cells around the scene, handed on from cell to cell.
 //!
-//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination", is `lpv`
-//! of `gi`; Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light Propagation Volumes", of
-//! `fog-multiple`. The propagation is [`crate::lpv`]'s, which says in what it differs.
+//! Kaplanyan and Dachsbacher 2010, "Cascaded Light Propagation Volumes for Real-Time Indirect Illumination",
+//! is `lpv` of `gi`; Billeter, Sintorn and Assarsson 2012, "Real-Time Multiple Scattering using Light
+//! Propagation Volumes", of `fog-multiple`. The propagation is [`crate::lpv`]'s, which says in what it
+//! differs.
 //!
-//! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps: of all
-//! lamps alike and also where no lamp or camera looks. Single scattering is looked for at eight points of each cell, by
-//! the lamps' shadow maps. Sums over surfels are in fixed point, so that the same frame gives the same bits. Nothing is
-//! taken on from frame to frame but light that surfaces and a medium keep. Light is kept apart by what it met, so that
-//! each effect of fog shows its own paths: once reflected, reflected again, scattered.
+//! What surfaces reflect, and what blocks light, is injected from surfels in place of reflective shadow maps:
+//! of all lamps alike and also where no lamp or camera looks. Single scattering is looked for at eight points
+//! of each cell, by the lamps' shadow maps. Sums over surfels are in fixed point, so that the same frame
+//! gives the same bits. Nothing is taken on from frame to frame but light that surfaces and a medium keep.
+//! Light is kept apart by what it met, so that each effect of fog shows its own paths: once reflected,
+//! reflected again, scattered.
 //!
 //! Why it: it costs cells times iterations, whatever the scene and the image, and it is the only method of
-//! `fog-multiple`. Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light are as
-//! blurred as cells are large, and some light passes through what is thinner than a cell. Of a point without a medium
-//! 0.70 of the flux that goes there where all directions are alike goes along axes, 1.17 across edges and 1.41 across
-//! corners; in a medium scattering evens that out.
+//! `fog-multiple`. Why not: light that a cell cannot tell apart it mixes, so that shadows of indirect light
+//! are as blurred as cells are large, and some light passes through what is thinner than a cell. Of a point
+//! without a medium 0.70 of the flux that goes there where all directions are alike goes along axes, 1.17
+//! across edges and 1.41 across corners; in a medium scattering evens that out.
 //!
-//! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume of its own
-//! until surfels reflect it or the medium scatters it, which is then handed on as that of the lamps is; where nothing
-//! shines by itself there is no such volume. Around the camera there may be a finer grid ([`crate::lpv::cascade`]).
+//! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume
+//! of its own until surfels reflect it or the medium scatters it, which is then handed on as that of the
+//! lamps is; where nothing shines by itself there is no such volume. Around the camera there may be a finer
+//! grid ([`crate::lpv::cascade`]).
 //!
-//! Light that surfaces kept is all that `phosphor-gi` has: surfels give it back as they reflect that of lamps for `gi`. To
-//! `fog-indirect` and `fog-multiple` it comes beside other light, as does what the medium kept.
+//! Light that surfaces kept is all that `phosphor-gi` has: surfels give it back as they reflect that of lamps
+//! for `gi`. To `fog-indirect` and `fog-multiple` it comes beside other light, as does what the medium kept.
 //!
-//! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium,
-//! surfaces send back light that comes to them, in the mean colour of those around a cell and the way that it came. Light
-//! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of scattering is
-//! replaced by a thinner one without, but for the last scattering towards the eye, where scattered light is followed; where light
-//! is wanted that met no medium (`fog-indirect`), all of it is there.
-//! A medium of many mean free paths in a cell reflects light of other cells as it should ([`crate::lpv::flight`]), but for a
-//! thousandth of it that an iteration may add; what lamps and surfaces send into it is still far
-//! too much of hundreds of mean free paths. Of what a dense medium gives back too little comes out: light of a whole cell begins
-//! in its middle. Out of half a space comes, of the true flux, 0.91 with a quarter of a mean free path in a cell, 0.88 with a
-//! half, 0.79 with one, 0.58 with two, 0.33 with four and 0.17 with eight.
+//! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium, surfaces send back
+//! light that comes to them, in the mean colour of those around a cell and the way that it came. Light
+//! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of
+//! scattering is replaced by a thinner one without, but for the last scattering towards the eye, where
+//! scattered light is followed; where light is wanted that met no medium (`fog-indirect`), all of it is
+//! there. A medium of many mean free paths in a cell reflects light of other cells as it should
+//! ([`crate::lpv::flight`]), but for a thousandth of it that an iteration may add; what lamps and surfaces
+//! send into it is still far too much of hundreds of mean free paths. Of what a dense medium gives back too
+//! little comes out: light of a whole cell begins in its middle. Out of half a space comes, of the true flux,
+//! 0.91 with a quarter of a mean free path in a cell, 0.88 with a half, 0.79 with one, 0.58 with two, 0.33
+//! with four and 0.17 with eight.
 //!
-//! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and surfaces lit by the
-//! cell that they are in, to be compared with. Three bands are there, too ([`crate::lpv::lobe::Lobes`]).
+//! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and
+//! surfaces lit by the cell that they are in, to be compared with. Three bands are there, too
+//! ([`crate::lpv::lobe::Lobes`]).
 
 pub mod in_medium;
 mod lit_volume;
@@ -62,7 +67,8 @@ pub struct LpvParameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
-    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges around the camera.
+    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges
+    /// around the camera.
     #[schemars(range(min = 1, max = 2))]
     pub cascades: usize,
     /// How often light is handed on.
@@ -79,8 +85,8 @@ pub struct LpvParameters {
 }
 
 impl LpvParameters {
-    /// More time is more cells, and iterations for light to cross them three times: after one crossing of a closed room in fog
-    /// half of the light is still on its way.
+    /// More time is more cells, and iterations for light to cross them three times: after one crossing of a
+    /// closed room in fog half of the light is still on its way.
     pub const fn of(quality: Quality) -> Self {
         let (cells, iterations, steps, scale) = match quality {
             Quality::Low => (16, 48, 16, 2),
@@ -117,7 +123,8 @@ impl Technique for LpvParameters {
     }
 }
 
-/// Diffuse light of phosphorescence by the grid: its only light is what surfels give back of light that they kept.
+/// Diffuse light of phosphorescence by the grid: its only light is what surfels give back of light that they
+/// kept.
 #[derive(Clone, Copy, Debug)]
 pub struct KeptLight(pub LpvParameters);
 

@@ -1,4 +1,5 @@
-//! What runs on the GPU: surfels, their light and what they block; the medium; light on its way; and what is lit by it.
+//! What runs on the GPU: surfels, their light and what they block; the medium; light on its way; and what is
+//! lit by it.
 
 use super::LpvParameters;
 use super::room::{self, Nesting, Room};
@@ -22,8 +23,8 @@ const REACH: usize = 1;
 
 /// Radius of a surfel, cells.
 const SURFEL: f32 = 0.1;
-/// How far away, over the scene's diagonal, surfels are laid out as if they were, so that all are of a size wherever
-/// the camera is.
+/// How far away, over the scene's diagonal, surfels are laid out as if they were, so that all are of a size
+/// wherever the camera is.
 const FAR: f32 = 1e3;
 
 /// What is between surfaces, and what of the light there is shown.
@@ -56,8 +57,8 @@ pub enum Shown {
         /// Whether by surfaces, too.
         by_surfaces: bool,
     },
-    /// By the medium light that several surfaces have reflected, and by the medium and by surfaces light that was
-    /// scattered.
+    /// By the medium light that several surfaces have reflected, and by the medium and by surfaces light that
+    /// was scattered.
     Multiple,
 }
 

@@ -20,8 +20,8 @@ const POINTS: u32 = 16;
 /// Place, normal and diffuse colour of a surface, world space.
 type Seen = [Vec3; 3];
 
-/// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none where none is
-/// seen.
+/// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none
+/// where none is seen.
 fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>>, MissingAttribute> {
     let of = |attribute| gbuffer.select(&[attribute]);
     let (position, normal, valid) = (of(Attribute::Position)?, of(Attribute::Normal)?, of(Attribute::Valid)?);
@@ -67,8 +67,8 @@ pub fn lit(gbuffer: &GBuffer, volumes: &LitVolumes, view: &View) -> Result<Plane
     Ok(Planes::from_fn(3, view.height, view.width, |c, y, x| pixels[y * view.width + x][c]))
 }
 
-/// The medium in front of each pixel and the surface behind it, as far as they are shown: radiance, `[3, height,
-/// width]`.
+/// The medium in front of each pixel and the surface behind it, as far as they are shown: radiance,
+/// `[3, height, width]`.
 ///
 /// # Errors
 /// If the g-buffer lacks an attribute.
@@ -174,7 +174,8 @@ fn march(volume: &LitVolume, medium: &Medium, steps: u32, (pixel, reach): (UVec2
 mod tests {
     use super::*;
 
-    /// An image of pixels whose surfaces are so far away, of which the marched ones have what `light` says of their place.
+    /// An image of pixels whose surfaces are so far away, of which the marched ones have what `light` says of
+    /// their place.
     fn marched(
         scale: u32,
         size: UVec2,

@@ -31,8 +31,8 @@ pub struct Room {
     pub links: wgpu::Buffer,
     /// `[cells, 3, 4]` f32.
     pub media: wgpu::Buffer,
-    /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also `[cells, 4]`, what is
-    /// sent out again; of three bands also `[kinds, 5, cells, 4]`, second moments.
+    /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also
+    /// `[cells, 4]`, what is sent out again; of three bands also `[kinds, 5, cells, 4]`, second moments.
     states: [wgpu::Buffer; 2],
     /// `[3, cells, 4]` f32: what each iteration adds to steady light.
     source: wgpu::Buffer,
@@ -94,8 +94,8 @@ impl Room {
         })
     }
 
-    /// That of light which a scene sends by itself: blockers and medium are the same, and so is the room for light on its
-    /// way, which is there before what surfaces reflect.
+    /// That of light which a scene sends by itself: blockers and medium are the same, and so is the room for
+    /// light on its way, which is there before what surfaces reflect.
     ///
     /// # Errors
     /// If the device has no room.
@@ -263,7 +263,8 @@ impl Room {
 /// Light that a scene sends by itself, until something turns it.
 pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
 
-/// Planes of what cells keep of a kind of light: one of each colour and, of three bands, those of second moments.
+/// Planes of what cells keep of a kind of light: one of each colour and, of three bands, those of second
+/// moments.
 const fn kept_planes(lobes: Lobes) -> usize {
     match lobes {
         Lobes::Squared | Lobes::TwoBands => 3,

@@ -1,4 +1,5 @@
-//! Light that a scene sends by itself: what surfaces emit, and what they and a medium give back of what they kept.
+//! Light that a scene sends by itself: what surfaces emit, and what they and a medium give back of what they
+//! kept.
 
 use super::passes::{Filled, Shines};
 use super::room::Room;
@@ -21,7 +22,8 @@ pub struct Shining {
 }
 
 impl Shining {
-    /// That of a frame whose surfels write as many bytes of what they `send`; a medium has cells of about such an edge.
+    /// That of a frame whose surfels write as many bytes of what they `send`; a medium has cells of about
+    /// such an edge.
     ///
     /// # Errors
     /// If the device has no room.

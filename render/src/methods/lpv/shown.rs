@@ -18,8 +18,8 @@ const SURFACE: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribu
 pub struct VolumeOnGpu {
     /// The grid.
     pub record: wgpu::Buffer,
-    /// `[planes, 3, cells]`: flux and energy times lengths of ways, watts times cells; as the medium and, if there is
-    /// scattered light, as surfaces show it.
+    /// `[planes, 3, cells]`: flux and energy times lengths of ways, watts times cells; as the medium and, if
+    /// there is scattered light, as surfaces show it.
     pub shown: wgpu::Buffer,
     /// How light was handed on.
     pub scheme: Scheme,
@@ -42,8 +42,8 @@ impl VolumeOnGpu {
         [("NESTED", u32::from(self.is_nested)), ("FINER", u32::from(self.finer.is_some()))]
     }
 
-    /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is added to what is
-    /// there.
+    /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is
+    /// added to what is there.
     ///
     /// # Errors
     /// If the device refuses it.

@@ -125,7 +125,8 @@ fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
     sums.iter().map(|of_cell| of_cell.map(|moments| Vec4::from(moments.map(value)))).collect()
 }
 
-/// How far what the passes show of a frame is from what the plain version makes of the same start, over the grid's maximum.
+/// How far what the passes show of a frame is from what the plain version makes of the same start, over the
+/// grid's maximum.
 fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: LpvParameters) -> f32 {
     let (scene, scheme) = (frame.0.scene(), parameters.scheme);
     let grid = LightGrid::around(scene.bounds(), parameters.cells);

@@ -41,8 +41,8 @@ fn samples(traced: &Traced) -> impl Iterator<Item = Node> {
     })
 }
 
-/// The same, lit from the first view ray on wherever they leave the medium, since view rays are only followed in it;
-/// but for those that end before they enter it.
+/// The same, lit from the first view ray on wherever they leave the medium, since view rays are only followed
+/// in it; but for those that end before they enter it.
 #[inline(always)]
 fn whole_samples(traced: &Traced) -> impl Iterator<Item = Node> {
     (0..traced.enters.len() * SAMPLES).map(|sample| {

@@ -1,5 +1,5 @@
-//! The min/max mipmap over where the samples of a slice's light rays are lit (Chen et al. 2011, section 4): from which
-//! view ray on, where they enter the medium, and to which, where they end.
+//! The min/max mipmap over where the samples of a slice's light rays are lit (Chen et al. 2011, section 4):
+//! from which view ray on, where they enter the medium, and to which, where they end.
 
 /// Between which view rays the samples below a node are lit.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,8 @@ impl Mipmap {
         }
     }
 
-    /// Calls `run` with the first sample and the end of each run of lit samples that a view ray passes before `end`.
+    /// Calls `run` with the first sample and the end of each run of lit samples that a view ray passes before
+    /// `end`.
     #[inline(always)]
     pub fn lit_runs(&self, at: f32, end: f32, mut run: impl FnMut([f32; 2])) {
         let last = (end.ceil() as usize).min(self.count);

@@ -1,13 +1,14 @@
 //! `min-max`: single scattering by a one-dimensional min/max mipmap in each epipolar slice.
 //!
-//! Chen, Baran, Durand and Jarosz 2011, "Real-Time Volumetric Shadows using 1D Min-Max Mipmaps". The slices, light
-//! rays and rectified shadow map are those of [`epipolar`](super::epipolar). Over the light rays of a slice lies a
-//! binary tree of where the least and the greatest of them end ([`mipmap`]); a view ray walks it and comes to the
-//! runs of light rays that are lit where it passes. What a run sends is, of a distant lamp whose rays are alike, a
-//! closed form; of others, the difference of two prefix sums of the integrand's terms.
+//! Chen, Baran, Durand and Jarosz 2011, "Real-Time Volumetric Shadows using 1D Min-Max Mipmaps". The slices,
+//! light rays and rectified shadow map are those of [`epipolar`](super::epipolar). Over the light rays of a
+//! slice lies a binary tree of where the least and the greatest of them end ([`mipmap`]); a view ray walks it
+//! and comes to the runs of light rays that are lit where it passes. What a run sends is, of a distant lamp
+//! whose rays are alike, a closed form; of others, the difference of two prefix sums of the integrand's
+//! terms.
 //!
-//! Why it: view rays do not depend on each other, and nothing is approximated for suns. Why not: it costs as much as a
-//! view ray has edges of shadows, the logarithm of the light rays for each.
+//! Why it: view rays do not depend on each other, and nothing is approximated for suns. Why not: it costs as
+//! much as a view ray has edges of shadows, the logarithm of the light rays for each.
 
 mod integration;
 mod mipmap;

@@ -1,5 +1,5 @@
-//! Light that a medium keeps: states in the cells of a grid over its box, lit by the lamps' shadow maps through the medium, and a
-//! march that shows them (thesis, Figure 8.17).
+//! Light that a medium keeps: states in the cells of a grid over its box, lit by the lamps' shadow maps
+//! through the medium, and a march that shows them (thesis, Figure 8.17).
 
 use crate::bvh::TracedScene;
 use crate::path::phosphor::Afterglow;
@@ -105,8 +105,8 @@ impl Cells {
         }))
     }
 
-    /// The passes that move their states on by the time since the frame before, of a medium with a paint, exactly or by so many steps
-    /// of Euler's scheme.
+    /// The passes that move their states on by the time since the frame before, of a medium with a paint,
+    /// exactly or by so many steps of Euler's scheme.
     ///
     /// # Errors
     /// If the device refuses.

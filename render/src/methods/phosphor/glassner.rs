@@ -1,14 +1,16 @@
-//! `glassner`: phosphorescence as an integral over the past (Glassner 1995, "A Model for Fluorescence and Phosphorescence"), by
-//! Monte Carlo with moments drawn by the decay, as the thesis compares itself with (section 8.5, Figure 8.16).
+//! `glassner`: phosphorescence as an integral over the past (Glassner 1995, "A Model for Fluorescence and
+//! Phosphorescence"), by Monte Carlo with moments drawn by the decay, as the thesis compares itself with
+//! (section 8.5, Figure 8.16).
 //!
-//! Each pixel draws moments of the past for each state, and at each looks up the light of the lamps that shone then, with their
-//! shadows. That model knows no saturation: strong light makes it too bright, and what was lit for long is as bright as the light asks,
-//! not as the paint has room for. A start that is a share is what the rate equation's is.
+//! Each pixel draws moments of the past for each state, and at each looks up the light of the lamps that
+//! shone then, with their shadows. That model knows no saturation: strong light makes it too bright, and what
+//! was lit for long is as bright as the light asks, not as the paint has room for. A start that is a share is
+//! what the rate equation's is.
 //!
-//! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root of the
-//! samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a sequence it is taken as it
-//! is now, at every moment of the past: shadow maps of frames gone by are not kept. Surfaces are seen as if no medium were before them,
-//! and what it keeps itself is not shown.
+//! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root
+//! of the samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a
+//! sequence it is taken as it is now, at every moment of the past: shadow maps of frames gone by are not
+//! kept. Surfaces are seen as if no medium were before them, and what it keeps itself is not shown.
 
 use super::passes::Finding;
 use super::reference::{found, image};
@@ -34,8 +36,8 @@ pub struct GlassnerParameters {
 }
 
 impl GlassnerParameters {
-    /// More time is more moments: from as many as cost what the rate equation does to those that the thesis calls of the
-    /// same quality.
+    /// More time is more moments: from as many as cost what the rate equation does to those that the thesis
+    /// calls of the same quality.
     pub const fn of(quality: Quality) -> Self {
         let samples = match quality {
             Quality::Low => 1,

@@ -1,24 +1,27 @@
 //! Phosphorescence by states that stay on surfaces (`rate-equation`, thesis 8.5), and its rival (`glassner`).
 //!
-//! Every triangle that keeps light has a lattice of texels of its own ([`tile`]), so that a mesh needs no texture coordinates,
-//! and texels keep their place however it moves or bends. Each frame one pass moves their states on by the time that went by,
-//! under the lamps' shadow maps as they are now, exactly for light that stays the same, or by Euler's scheme as in the thesis
-//! ([`rate`](deepshade_glow::rate)). A
-//! pixel finds its triangle by where its surface is, in a tree of boxes that is fitted to the triangles of each frame: a
-//! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it shows is linear
-//! between texels.
+//! Every triangle that keeps light has a lattice of texels of its own ([`tile`]), so that a mesh needs no
+//! texture coordinates, and texels keep their place however it moves or bends. Each frame one pass moves
+//! their states on by the time that went by, under the lamps' shadow maps as they are now, exactly for light
+//! that stays the same, or by Euler's scheme as in the thesis ([`rate`](deepshade_glow::rate)). A pixel finds
+//! its triangle by where its surface is, in a tree of boxes that is fitted to the triangles of each frame: a
+//! g-buffer knows objects, not triangles, and one that rays made is as good as one that was drawn. What it
+//! shows is linear between texels.
 //!
-//! A still goes through all of the past in one frame, lamps being switched at their moments; where something moves, a stretch
-//! after the other, each under shadow maps of a pose of its own. In a sequence a frame costs the
-//! same however long it has lasted; states are the past. Its first frame takes all of the past as it is then.
+//! A still goes through all of the past in one frame, lamps being switched at their moments; where something
+//! moves, a stretch after the other, each under shadow maps of a pose of its own. In a sequence a frame costs
+//! the same however long it has lasted; states are the past. Its first frame takes all of the past as it is
+//! then.
 //!
-//! A medium may keep light, too: states of the cells of a grid, lit through it, which a march shows ([`cells`]).
+//! A medium may keep light, too: states of the cells of a grid, lit through it, which a march shows
+//! ([`cells`]).
 //!
-//! Why it: cost does not grow with time, strong light saturates, what moves takes its light along. Why not: light is kept only
-//! where texels are; what the camera never looks at costs as much as what it sees.
+//! Why it: cost does not grow with time, strong light saturates, what moves takes its light along. Why not:
+//! light is kept only where texels are; what the camera never looks at costs as much as what it sees.
 //!
-//! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels are as many as
-//! the mesh's area asks for, where it is largest of some poses of an animation, and slivers have more.
+//! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels
+//! are as many as the mesh's area asks for, where it is largest of some poses of an animation, and slivers
+//! have more.
 
 pub(crate) mod cells;
 pub mod glassner;
@@ -42,8 +45,8 @@ pub struct RateEquationParameters {
     /// Texels along the scene's diagonal.
     #[schemars(range(min = 8, max = 4096))]
     pub texels: u32,
-    /// Steps of Euler's scheme, as the thesis has it, for each time between frames or switches of lamps; without any the step is the
-    /// exact one.
+    /// Steps of Euler's scheme, as the thesis has it, for each time between frames or switches of lamps;
+    /// without any the step is the exact one.
     #[schemars(range(min = 0, max = 4096))]
     pub euler: u32,
 }

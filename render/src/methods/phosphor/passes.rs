@@ -54,7 +54,8 @@ impl Finding {
         self.texels
     }
 
-    /// Room for the states of all texels, `[2, texels, states]`: excited shares, and what rounding leaves of their changes.
+    /// Room for the states of all texels, `[2, texels, states]`: excited shares, and what rounding leaves of
+    /// their changes.
     ///
     /// # Errors
     /// If the device has none.
@@ -143,8 +144,8 @@ impl Finding {
         MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
     }
 
-    /// The passes that look back over a stretch of the past, in which the world was like this, each with some of the samples that
-    /// `settings` say. The first `adds` to the image, or begins it.
+    /// The passes that look back over a stretch of the past, in which the world was like this, each with some
+    /// of the samples that `settings` say. The first `adds` to the image, or begins it.
     ///
     /// # Errors
     /// If the device refuses.

@@ -146,7 +146,8 @@ fn moving() -> (TracedScene, View, GBuffer) {
     seen(at(1.3).with_past(past).expect("the same triangles"), camera(), [37, 53])
 }
 
-/// Where a pixel of the floor is next to an edge of the board's shadow in any of some poses of it, within `width` metres.
+/// Where a pixel of the floor is next to an edge of the board's shadow in any of some poses of it, within
+/// `width` metres.
 fn is_near_an_edge(point: Vec3, width: f32) -> bool {
     let lamp = Vec3::new(0.1, 2.5, 0.2);
     // On the board's plane, seen from the lamp.
@@ -161,8 +162,9 @@ fn is_near_an_edge(point: Vec3, width: f32) -> bool {
     })
 }
 
-/// Both methods draw shadows by maps and states at texels: within a texel of where a shadow ends, a place may have got any share of
-/// what a place gets that is never in the shadow; everywhere else they are what the plain version is.
+/// Both methods draw shadows by maps and states at texels: within a texel of where a shadow ends, a place may
+/// have got any share of what a place gets that is never in the shadow; everywhere else they are what the
+/// plain version is.
 #[test]
 fn what_moved_leaves_its_shadows_where_they_were() {
     let gpu = gpu();
@@ -259,8 +261,8 @@ fn without_shadows_states_are_exact() {
     assert!(states.iter().skip(2).step_by(3).all(is_full), "what does not decay is full");
 }
 
-/// Euler's scheme, as the thesis has it: the same states as in the plain version, and an error that falls as its steps do; from long
-/// light, which is no step, too.
+/// Euler's scheme, as the thesis has it: the same states as in the plain version, and an error that falls as
+/// its steps do; from long light, which is no step, too.
 #[test]
 fn steps_of_euler_tend_to_the_exact_ones() {
     let gpu = gpu();
@@ -284,7 +286,8 @@ fn steps_of_euler_tend_to_the_exact_ones() {
     assert!((1.9..2.1).contains(&ratio), "{ratio}");
 }
 
-/// The error of images with few moments falls with their root, and they have the right mean where light is weak.
+/// The error of images with few moments falls with their root, and they have the right mean where light is
+/// weak.
 #[test]
 fn moments_tend_to_the_rate_equation_where_light_is_weak() {
     let gpu = gpu();

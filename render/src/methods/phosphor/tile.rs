@@ -1,5 +1,6 @@
-//! Tiles: the texels of each triangle that keeps light. A triangle's texels are a lattice of rows of n + 1, n, ... 1 points,
-//! drawn in from its edges by half a step: a texel on an edge would be in two surfaces, of which one may be in the shadow.
+//! Tiles: the texels of each triangle that keeps light. A triangle's texels are a lattice of rows of n + 1,
+//! n, ... 1 points, drawn in from its edges by half a step: a texel on an edge would be in two surfaces, of
+//! which one may be in the shadow.
 
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::Draw;
@@ -9,8 +10,8 @@ use deepshade_shaders::wgsl::uniforms::GlowTile;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Most texels of a scene, and most states of all of them; where there were more, all are farther apart. A state is two
-/// numbers, and software Vulkan binds 128 MB at once.
+/// Most texels of a scene, and most states of all of them; where there were more, all are farther apart. A
+/// state is two numbers, and software Vulkan binds 128 MB at once.
 const MOST_TEXELS: usize = 1 << 23;
 const MOST_STATES_OF_ALL: usize = 1 << 24;
 
@@ -35,8 +36,8 @@ pub struct Tiles {
 pub type Around = [(usize, f32); 3];
 
 impl Tiles {
-    /// The tiles of what keeps light of a scene whose meshes are drawn as `draws` says, with `texels` along its diagonal. Those of what
-    /// grows are for its largest size.
+    /// The tiles of what keeps light of a scene whose meshes are drawn as `draws` says, with `texels` along
+    /// its diagonal. Those of what grows are for its largest size.
     pub fn new(animated: &AnimatedScene, draws: &[Draw], texels: u32) -> Self {
         let scene = &animated.scene;
         let bounds = scene.bounds();
@@ -73,7 +74,8 @@ impl Tiles {
     }
 }
 
-/// Tiles without texels, along a curve through space: where on it they are, mesh and triangle, the longest edge.
+/// Tiles without texels, along a curve through space: where on it they are, mesh and triangle, the longest
+/// edge.
 fn placed(scene: &Scene, draws: &[Draw]) -> Vec<(u64, GlowTile, [u32; 2], f32)> {
     let paints = Glow::of(scene).paints_of(scene);
     let bounds = scene.bounds();
@@ -142,8 +144,8 @@ pub fn texel_weights(divisions: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..=divisions).flat_map(move |row| (0..=divisions - row).map(move |column| weights(row, column)))
 }
 
-/// The texels around a place in a tile, from its first on; `place` are the weights of its second and third corner. Beyond the
-/// outermost texels it is as at those.
+/// The texels around a place in a tile, from its first on; `place` are the weights of its second and third
+/// corner. Beyond the outermost texels it is as at those.
 pub fn texels_around(divisions: u32, place: Vec2) -> Around {
     let inwards = drawn_in(divisions);
     let inside = ((place - inwards / 3.0) / (1.0 - inwards)).max(Vec2::ZERO);

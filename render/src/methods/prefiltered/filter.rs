@@ -1,8 +1,10 @@
-//! Environment maps convolved with the lobes `cos^e` for a row of exponents, on the CPU, once for an environment.
+//! Environment maps convolved with the lobes `cos^e` for a row of exponents, on the CPU, once for an
+//! environment.
 //!
-//! The exponents are powers of two from 1, which is the cosine and gives irradiance over pi. Each map is as fine as its
-//! lobe needs, up to a given height, and made from the environment filtered to the same height: the sum over its texels
-//! by lobe and solid angle. Lobe and solid angle depend on two rows and the distance of two columns.
+//! The exponents are powers of two from 1, which is the cosine and gives irradiance over pi. Each map is as
+//! fine as its lobe needs, up to a given height, and made from the environment filtered to the same height:
+//! the sum over its texels by lobe and solid angle. Lobe and solid angle depend on two rows and the distance
+//! of two columns.
 
 use crate::methods::environment_map::EnvironmentMap;
 use crate::scene::Environment;
@@ -77,8 +79,8 @@ fn convolved_row(source: &EnvironmentMap, exponent: f32, row: usize) -> Vec<Vec3
     sums.iter().map(|sum| *sum / whole).collect()
 }
 
-/// Lobe times solid angle between a texel of one row and those of another, by their distance in columns, up to half the
-/// width or where it is negligible.
+/// Lobe times solid angle between a texel of one row and those of another, by their distance in columns, up
+/// to half the width or where it is negligible.
 fn weights(height: usize, exponent: f32, row: usize, other: usize) -> Vec<f32> {
     let step = PI / height as f32;
     let [(sin, cos), (other_sin, other_cos)] = [row, other].map(|row| ((row as f32 + 0.5) * step).sin_cos());

@@ -1,10 +1,11 @@
-//! What a map convolved with a whole lobe does not know: that reflected light is weighed by its cosine to the normal and
-//! comes from above the surface only.
+//! What a map convolved with a whole lobe does not know: that reflected light is weighed by its cosine to the
+//! normal and comes from above the surface only.
 //!
-//! Phong's lobe around the mirrored direction `m`, times the cosine, cut off at the horizon, is replaced by another whole
-//! lobe of the same integral, the same mean direction and the same spread: a lobe `cos^e` has the mean
-//! `(e + 1) / (e + 2)` along its axis. The three depend on the exponent and on the angle between `m` and the normal `n`,
-//! and lie in a table. Seen straight from above, `cos^e` times the cosine is `cos^(e + 1)`, and the lobe exact.
+//! Phong's lobe around the mirrored direction `m`, times the cosine, cut off at the horizon, is replaced by
+//! another whole lobe of the same integral, the same mean direction and the same spread: a lobe `cos^e` has
+//! the mean `(e + 1) / (e + 2)` along its axis. The three depend on the exponent and on the angle between `m`
+//! and the normal `n`, and lie in a table. Seen straight from above, `cos^e` times the cosine is
+//! `cos^(e + 1)`, and the lobe exact.
 
 use super::filter::LEVELS;
 use glam::{DVec2, Vec3};
@@ -29,9 +30,9 @@ pub fn table() -> Vec<Vec3> {
     (0..EXPONENTS * ANGLES).map(entry).collect()
 }
 
-/// The lobe that replaces the one of an exponent around a direction at an angle to the normal: how much of uniform light
-/// it reflects, how far its axis leans from the mirrored direction, 0, to the normal, 1, on the straight line between
-/// the two, and the binary logarithm of its exponent.
+/// The lobe that replaces the one of an exponent around a direction at an angle to the normal: how much of
+/// uniform light it reflects, how far its axis leans from the mirrored direction, 0, to the normal, 1, on the
+/// straight line between the two, and the binary logarithm of its exponent.
 fn replacement(exponent: f64, cosine: f64) -> Vec3 {
     // In the normal's own direction nothing leans; slightly beside it the lean has its limit.
     let cosine = cosine.min(0.9999);
@@ -56,8 +57,8 @@ fn replacement(exponent: f64, cosine: f64) -> Vec3 {
     Vec3::new(energy as f32, (beside / (along + beside)) as f32, level as f32)
 }
 
-/// The integrals over the angle `p` around the lobe's axis of the cosine to the normal, `a + b cos p` where that is
-/// positive, and of it times `cos p`.
+/// The integrals over the angle `p` around the lobe's axis of the cosine to the normal, `a + b cos p` where
+/// that is positive, and of it times `cos p`.
 fn around(a: f64, b: f64) -> [f64; 2] {
     if a >= b {
         return [TAU * a, PI * b];

@@ -1,18 +1,20 @@
 //! Image-based lighting by prefiltered environment maps.
 //!
-//! Kautz, Vázquez, Heidrich and Seidel, "A Unified Approach to Prefiltered Environment Maps", EGRW 2000; McAllister,
-//! Lastra and Heidrich, "Efficient Rendering of Spatial Bi-directional Reflectance Distribution Functions", GH 2002. The
-//! environment is convolved with Phong's lobe for a row of exponents ([`filter`]); a pixel looks up the two nearest, in
-//! the mirrored direction, and interpolates. The lobe of exponent 1 is the cosine, so that the first map, looked up at
-//! the normal, is the diffuse part. The cosine to the normal and the horizon, which a map of whole lobes ignores, are
-//! modelled by another whole lobe of the same energy, mean and spread, from a table ([`lobe`]).
+//! Kautz, Vázquez, Heidrich and Seidel, "A Unified Approach to Prefiltered Environment Maps", EGRW 2000;
+//! McAllister, Lastra and Heidrich, "Efficient Rendering of Spatial Bi-directional Reflectance Distribution
+//! Functions", GH 2002. The environment is convolved with Phong's lobe for a row of exponents ([`filter`]); a
+//! pixel looks up the two nearest, in the mirrored direction, and interpolates. The lobe of exponent 1 is the
+//! cosine, so that the first map, looked up at the normal, is the diffuse part. The cosine to the normal and
+//! the horizon, which a map of whole lobes ignores, are modelled by another whole lobe of the same energy,
+//! mean and spread, from a table ([`lobe`]).
 //!
-//! Limits. A lobe that the horizon cuts is no longer round: where a bright light is at its edge, towards grazing, its
-//! highlight is too round and too long. The triangle's own horizon, where its normal is not the shading one, is unknown.
-//! Maps have a finite height, which blurs what the smoothest surfaces mirror.
+//! Limits. A lobe that the horizon cuts is no longer round: where a bright light is at its edge, towards
+//! grazing, its highlight is too round and too long. The triangle's own horizon, where its normal is not the
+//! shading one, is unknown. Maps have a finite height, which blurs what the smoothest surfaces mirror.
 //!
-//! Nine coefficients of spherical harmonics (Ramamoorthi and Hanrahan 2001) would hold the diffuse part in less room. By
-//! that paper they err by up to 9 %, and they ring below 0; the map of 32 rows errs by less than 1 %.
+//! Nine coefficients of spherical harmonics (Ramamoorthi and Hanrahan 2001) would hold the diffuse part in
+//! less room. By that paper they err by up to 9 %, and they ring below 0; the map of 32 rows errs by less
+//! than 1 %.
 
 pub mod filter;
 pub mod lobe;
@@ -51,8 +53,9 @@ pub struct PrefilteredParameters {
 }
 
 impl PrefilteredParameters {
-    /// Those of a quality: finer maps take longer to filter, once for an environment, and mirror more sharply. A frame
-    /// takes the same time. On training scenes, whose surfaces are hardly ever mirrors, 64 rows are as good as 512.
+    /// Those of a quality: finer maps take longer to filter, once for an environment, and mirror more
+    /// sharply. A frame takes the same time. On training scenes, whose surfaces are hardly ever mirrors, 64
+    /// rows are as good as 512.
     pub fn of(quality: Quality) -> Self {
         let height = match quality {
             Quality::Low => 32,

@@ -16,7 +16,8 @@ use std::f32::consts::{FRAC_1_PI, PI};
 const DIFFUSE: Vec3 = Vec3::new(0.5, 0.3, 0.1);
 const SPECULAR: Vec3 = Vec3::new(0.2, 0.4, 0.3);
 
-/// Device and processor differ by 1e-5 in arc tangents: that is 1e-4 of a texel, times what neighbouring ones differ by.
+/// Device and processor differ by 1e-5 in arc tangents: that is 1e-4 of a texel, times what neighbouring ones
+/// differ by.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.02 };
 
 /// Among neighbours of a sun that is a few texels large.

@@ -1,5 +1,5 @@
-//! Scenes for methods that look beyond the screen, and the comparison of what their passes make of one with their plain
-//! version.
+//! Scenes for methods that look beyond the screen, and the comparison of what their passes make of one with
+//! their plain version.
 
 use super::{Tolerance, agree, prove_comparator, view};
 use crate::bvh::TracedScene;
@@ -78,7 +78,8 @@ pub fn corner() -> (TracedScene, View, GBuffer) {
     (scene, view, gbuffer)
 }
 
-/// The lit corner with a wall of half its height in the light, in coloured fog and in smoke, with a sun, a lamp and a spot.
+/// The lit corner with a wall of half its height in the light, in coloured fog and in smoke, with a sun, a
+/// lamp and a spot.
 pub fn foggy() -> Vec<(TracedScene, View, GBuffer)> {
     let (corner, view, _) = corner();
     let bounds = Bounds { min: Vec3::new(-4.0, 0.0, -4.0), max: Vec3::new(1.0, 2.0, 4.0) };
@@ -127,8 +128,9 @@ pub fn seen(family: Family, height: usize, width: usize) -> (TracedScene, View, 
 /// What methods that look beyond the screen read of a g-buffer, glossy receivers all of it.
 pub const ATTRIBUTES: &[Attribute] = lobe::ATTRIBUTES;
 
-/// A method's image, the same for the same frame twice, and the surfels that its passes have laid out for it. What the plain version of shading makes of
-/// these it makes on every device, however that rounds where it lays them out.
+/// A method's image, the same for the same frame twice, and the surfels that its passes have laid out for it.
+/// What the plain version of shading makes of these it makes on every device, however that rounds where it
+/// lays them out.
 pub fn shaded_by_surfels(
     method: &ScreenMethod,
     (scene, view, gbuffer): &(TracedScene, View, GBuffer),

@@ -1,5 +1,5 @@
-//! A plane and a thing beside it, both in view, and what of the thing the plane's points meet: the closed forms of
-//! occlusion and of one bounce, over what the camera sees.
+//! A plane and a thing beside it, both in view, and what of the thing the plane's points meet: the closed
+//! forms of occlusion and of one bounce, over what the camera sees.
 
 use super::{camera, gbuffer_of, hemisphere_mean, nearest, plane};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
@@ -43,8 +43,8 @@ impl<F: Fn(Vec3, Vec3) -> Met> Receiver<F> {
         inside && seen.is_some_and(|(seen, _)| (seen.length() - point.length()).abs() < 1e-3)
     }
 
-    /// The cosine-weighted share of directions from a point of the plane that meet, within the radius, what the camera
-    /// sees of the thing.
+    /// The cosine-weighted share of directions from a point of the plane that meet, within the radius, what
+    /// the camera sees of the thing.
     fn share_met(&self, at: Vec3) -> f32 {
         hemisphere_mean(self.plane[1], |direction| {
             let met = (self.thing)(at, direction).filter(|(met, _)| met.distance(at) < self.radius);
@@ -52,8 +52,8 @@ impl<F: Fn(Vec3, Vec3) -> Met> Receiver<F> {
         })
     }
 
-    /// Compares the first channel of an image with what the share of directions that meet the thing should make of it, at
-    /// pixels of the plane.
+    /// Compares the first channel of an image with what the share of directions that meet the thing should
+    /// make of it, at pixels of the plane.
     ///
     /// # Errors
     /// In words, where they differ by more than `within`.

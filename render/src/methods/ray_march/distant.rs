@@ -1,8 +1,8 @@
 //! Steps through a medium that is the same throughout, towards a distant lamp.
 //!
-//! Along a view ray the optical depth of both of light's ways is linear in at most four pieces ([`Faces`]), and what
-//! is left of light a geometric sequence in each: no exponential a step. Within a step that is lit it is integrated
-//! exactly. Steps are taken many at a time in loops that the compiler puts into vectors.
+//! Along a view ray the optical depth of both of light's ways is linear in at most four pieces ([`Faces`]),
+//! and what is left of light a geometric sequence in each: no exponential a step. Within a step that is lit
+//! it is integrated exactly. Steps are taken many at a time in loops that the compiler puts into vectors.
 
 use super::super::shafts::{Faces, Haze, Lit, Parallel, Projection, ShadowMap, TOGETHER, mean_decay};
 use super::Ray;
@@ -27,7 +27,8 @@ struct Steps<'a> {
     count: u32,
     jitter: f32,
     map: &'a ShadowMap,
-    /// Texels and depth in the shadow map of the first step, each with by how much it grows from step to step.
+    /// Texels and depth in the shadow map of the first step, each with by how much it grows from step to
+    /// step.
     locations: [[f32; 2]; 3],
 }
 
@@ -103,7 +104,8 @@ impl<'a> Distant<'a> {
         lamp.power * self.haze.scattering * phase * sum
     }
 
-    /// Metres of lit steps, each times what is left of light that takes its way and what differs from ray to ray.
+    /// Metres of lit steps, each times what is left of light that takes its way and what differs from ray to
+    /// ray.
     fn tinted_sum(&self, steps: &Steps<'_>, faces: &Faces) -> Vec3 {
         let mut sum = Vec3::ZERO;
         self.walk(steps, faces, |block: Block<3>| {

@@ -5,8 +5,8 @@ use super::Ray;
 use crate::path::medium::HenyeyGreenstein;
 use glam::Vec3;
 
-/// Nearer to a local lamp than this, metres, or than this part of its distance to the eye, it counts as that near: it
-/// is infinitely bright there.
+/// Nearer to a local lamp than this, metres, or than this part of its distance to the eye, it counts as that
+/// near: it is infinitely bright there.
 const NEAREST: [f32; 2] = [1e-4, 1e-5];
 
 /// Largest angle to the view ray's nearest point, radians: what is endless ends there, almost right.
@@ -87,8 +87,8 @@ impl<'a> General<'a> {
         }
     }
 
-    /// Irradiance at a point without the medium, the cosine by which light turns there, and how far it came through
-    /// the medium: metres of density 1.
+    /// Irradiance at a point without the medium, the cosine by which light turns there, and how far it came
+    /// through the medium: metres of density 1.
     fn arriving(&self, point: Vec3, direction: Vec3) -> (Vec3, f32, f32) {
         let lamp = self.lit.lamp;
         let power = lamp.power * if lamp.is_even() { Vec3::ONE } else { lamp.tint(point) };

@@ -1,14 +1,15 @@
 //! `ray-march`: single scattering by steps along every view ray, each of which looks into the shadow map.
 //!
-//! The method that all others are held against (Baran et al. 2010, section 2.1; Max 1986 before it). Steps are as
-//! many on every ray and shifted by a number of the pixel's own, so that what they miss is noise and no bands. Of
-//! distant lamps in a medium that is the same throughout they are of equal length, what reaches the eye of a lit step
-//! is exact, and the walk through the shadow map is straight ([`distant`]). Of other lamps they are of equal angle,
-//! as seen from the lamp, which bring the same light each (Kulla and Fajardo 2012). Through grids the optical depth
-//! is summed along the view ray, and from each step along the way to the light ([`general`]).
+//! The method that all others are held against (Baran et al. 2010, section 2.1; Max 1986 before it). Steps
+//! are as many on every ray and shifted by a number of the pixel's own, so that what they miss is noise and
+//! no bands. Of distant lamps in a medium that is the same throughout they are of equal length, what reaches
+//! the eye of a lit step is exact, and the walk through the shadow map is straight ([`distant`]). Of other
+//! lamps they are of equal angle, as seen from the lamp, which bring the same light each (Kulla and Fajardo
+//! 2012). Through grids the optical depth is summed along the view ray, and from each step along the way to
+//! the light ([`general`]).
 //!
-//! Why it: nothing lies between it and the medium, grids neither. Why not: it costs pixels times steps, and shadows thinner than
-//! a step are noise.
+//! Why it: nothing lies between it and the medium, grids neither. Why not: it costs pixels times steps, and
+//! shadows thinner than a step are noise.
 
 mod distant;
 mod general;

@@ -1,20 +1,24 @@
-//! Motion blur by reconstruction from the picture at one moment: the analytic rival of the thesis' network (7.4).
+//! Motion blur by reconstruction from the picture at one moment: the analytic rival of the thesis' network
+//! (7.4).
 //!
-//! McGuire, Hennessy, Bukowski and Osman, "A reconstruction filter for plausible motion blur", I3D 2012. Tiles learn the
-//! longest movement that reaches them, and every pixel gathers along lines, in two layers told apart by a soft comparison
-//! of depths. In front: samples along the tile's movement whose own movement leads over the pixel each give their light for
-//! the share of the exposure that they are there, and these shares add up to how much of the pixel is covered. Behind: the
-//! mean along the pixel's own movement, as in Guertin, McGuire and Nowrouzezahrai, "A fast and stable feature-aware motion
-//! blur filter", HPG 2014, of all that is not in front of it: its surface while that is there and what is bare when not.
+//! McGuire, Hennessy, Bukowski and Osman, "A reconstruction filter for plausible motion blur", I3D 2012.
+//! Tiles learn the longest movement that reaches them, and every pixel gathers along lines, in two layers
+//! told apart by a soft comparison of depths. In front: samples along the tile's movement whose own movement
+//! leads over the pixel each give their light for the share of the exposure that they are there, and these
+//! shares add up to how much of the pixel is covered. Behind: the mean along the pixel's own movement, as in
+//! Guertin, McGuire and Nowrouzezahrai, "A fast and stable feature-aware motion blur filter", HPG 2014, of
+//! all that is not in front of it: its surface while that is there and what is bare when not.
 //!
-//! Where the paper divides the sum of all samples by that of their weights, with cones that fade along the movement, here
-//! shares are those of a shutter that opens and closes at once: an edge that moves is a linear ramp, as in truth.
+//! Where the paper divides the sum of all samples by that of their weights, with cones that fade along the
+//! movement, here shares are those of a shutter that opens and closes at once: an edge that moves is a linear
+//! ramp, as in truth.
 //!
-//! Limits. One movement a tile passes in front: of two that cross, the shorter is blurred at its own pixels only. What a
-//! moving thing hides all the time is not in the picture and is made up from what surrounds it; nor does it blur shadows and
-//! highlights that move over what stands still, or what comes in from outside of the image. Movements end at a share of
-//! the height. What truth shows beside direct light, emission and the environment, is not in the g-buffer of the effect.
-//! Its rivals blur along each pixel's own movement alone, which leaves edges of what moves sharp.
+//! Limits. One movement a tile passes in front: of two that cross, the shorter is blurred at its own pixels
+//! only. What a moving thing hides all the time is not in the picture and is made up from what surrounds it;
+//! nor does it blur shadows and highlights that move over what stands still, or what comes in from outside of
+//! the image. Movements end at a share of the height. What truth shows beside direct light, emission and the
+//! environment, is not in the g-buffer of the effect. Its rivals blur along each pixel's own movement alone,
+//! which leaves edges of what moves sharp.
 
 pub mod reference;
 #[cfg(test)]
@@ -92,8 +96,8 @@ impl Technique for ReconstructionParameters {
 impl ReconstructionParameters {
     /// Those of a quality: more samples leave less noise and shorter steps.
     ///
-    /// Swept on ten training pairs of `dataset/recipes/motion-blur.toml` (rooms, colonnades, still lives, shelves, cities):
-    /// `samples`, and `depth_extent` from 0.005 to 0.2, which is best from 0.05 to 0.1.
+    /// Swept on ten training pairs of `dataset/recipes/motion-blur.toml` (rooms, colonnades, still lives,
+    /// shelves, cities): `samples`, and `depth_extent` from 0.005 to 0.2, which is best from 0.05 to 0.1.
     pub fn of(quality: Quality) -> Self {
         let samples = match quality {
             Quality::Low => 7,

@@ -35,8 +35,8 @@ impl Moving {
     }
 }
 
-/// What the passes write: the longest movements of tiles and of their neighbours, with a fourth number that is 0, and at
-/// last radiance while the shutter is open, `[3, height, width]`.
+/// What the passes write: the longest movements of tiles and of their neighbours, with a fourth number that
+/// is 0, and at last radiance while the shutter is open, `[3, height, width]`.
 pub fn shade(moving: &Moving, settings: &uniforms::Reconstruction) -> Written {
     let (wide, high) = (settings.tiles_wide as usize, settings.tiles_high as usize);
     let of_tiles = every_pixel(high, wide, |tile| longest_of_tile(moving, settings, tile.as_uvec2()));

@@ -50,8 +50,8 @@ fn exposed(gbuffer: &GBuffer, parameters: &ReconstructionParameters) -> Planes {
     Planes::from_data(3, gbuffer.height(), gbuffer.width(), image)
 }
 
-/// A sheet to the left of the middle, or above it, that moves by 20 pixels across its edge, before nothing and before what
-/// stands still.
+/// A sheet to the left of the middle, or above it, that moves by 20 pixels across its edge, before nothing
+/// and before what stands still.
 #[test]
 fn a_moving_step_edge_is_a_linear_ramp() {
     const SIZE: usize = 64;

@@ -1,22 +1,24 @@
 //! Depth of field by gathering on rings: what games do, the analytic rival of the thesis' network (7.4).
 //!
-//! Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses; AMD FidelityFX
-//! Depth of Field 1.1 is of the same kind. The picture is shrunk to half its size where time is short (`Low`), each pixel
-//! with the signed radius of its circle of confusion. Tiles learn the radius of the largest circle in front of focus that
-//! reaches them. Each pixel then gathers samples on rings, in two layers. Behind: the mean over its own circle of all that
-//! is not in front of it, since through the lens it shows its own surface and, past that surface's edge, what is farther
-//! away. In front: every sample whose own circle holds the pixel gives its light over that circle's area, and these shares
-//! add up to how much of the pixel is covered, so that blur of near things spreads over what is sharp. At full size both
-//! are laid over the picture, which stays as it is where it is in focus.
+//! Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses; AMD
+//! FidelityFX Depth of Field 1.1 is of the same kind. The picture is shrunk to half its size where time is
+//! short (`Low`), each pixel with the signed radius of its circle of confusion. Tiles learn the radius of the
+//! largest circle in front of focus that reaches them. Each pixel then gathers samples on rings, in two
+//! layers. Behind: the mean over its own circle of all that is not in front of it, since through the lens it
+//! shows its own surface and, past that surface's edge, what is farther away. In front: every sample whose
+//! own circle holds the pixel gives its light over that circle's area, and these shares add up to how much of
+//! the pixel is covered, so that blur of near things spreads over what is sharp. At full size both are laid
+//! over the picture, which stays as it is where it is in focus.
 //!
-//! Where the original sorts into one near and one far layer of an image region, here each pixel parts its samples by whether
-//! they are in front of itself: on either side of an edge the covered shares are then those of the disc that the edge cuts,
-//! and the picture has no seam.
+//! Where the original sorts into one near and one far layer of an image region, here each pixel parts its
+//! samples by whether they are in front of itself: on either side of an edge the covered shares are then
+//! those of the disc that the edge cuts, and the picture has no seam.
 //!
-//! Limits. What a near thing hides from the pinhole is not in the picture and is made up from what surrounds it; of things in
-//! front of each other in front of the pixel, the shares are added. Radii end at a share of the height. What truth shows
-//! beside direct light, emission and the environment, is not in the g-buffer of the effect. Its rivals, separable blurs of
-//! the picture (Gaussian, hexagonal, octagonal), are faster and have neither round discs nor layers.
+//! Limits. What a near thing hides from the pinhole is not in the picture and is made up from what surrounds
+//! it; of things in front of each other in front of the pixel, the shares are added. Radii end at a share of
+//! the height. What truth shows beside direct light, emission and the environment, is not in the g-buffer of
+//! the effect. Its rivals, separable blurs of the picture (Gaussian, hexagonal, octagonal), are faster and
+//! have neither round discs nor layers.
 
 pub mod reference;
 #[cfg(test)]
@@ -41,7 +43,8 @@ pub struct RingGatherParameters {
     /// Largest radius of a circle of confusion, as a share of the image's height.
     #[schemars(range(min = 0.0, max = 0.5), extend("unit" = "heights"))]
     pub largest: f32,
-    /// Difference of signed radii, pixels, from which on the nearer of two surfaces is fully in front of the other.
+    /// Difference of signed radii, pixels, from which on the nearer of two surfaces is fully in front of the
+    /// other.
     #[schemars(range(min = 0.0, max = 64.0), extend("unit" = "pixels"))]
     pub softness: f32,
 }
@@ -102,9 +105,9 @@ impl Technique for RingGatherParameters {
 impl RingGatherParameters {
     /// Those of a quality: half the size for `Low`, the full one for others, and more rings.
     ///
-    /// Swept on ten training pairs of `dataset/recipes/dof.toml` (rooms, colonnades, still lives, shelves, cities):
-    /// `scale`, `rings` and `softness` from 0.25 to 4. Half the size loses where circles are a few pixels wide, however many
-    /// rings there are; at the full size more than 6 rings change SSIM by 0.0002.
+    /// Swept on ten training pairs of `dataset/recipes/dof.toml` (rooms, colonnades, still lives, shelves,
+    /// cities): `scale`, `rings` and `softness` from 0.25 to 4. Half the size loses where circles are a few
+    /// pixels wide, however many rings there are; at the full size more than 6 rings change SSIM by 0.0002.
     pub fn of(quality: Quality) -> Self {
         let (scale, rings) = match quality {
             Quality::Low => (2, 3),

@@ -34,8 +34,8 @@ impl Blurred {
     }
 }
 
-/// What the passes write: the shrunk picture, the largest circles in front of tiles and of their neighbours, the layers
-/// behind and before, and at last radiance through the lens, `[3, height, width]`.
+/// What the passes write: the shrunk picture, the largest circles in front of tiles and of their neighbours,
+/// the layers behind and before, and at last radiance through the lens, `[3, height, width]`.
 pub fn shade(blurred: &Blurred, gather: &uniforms::RingGather) -> Written {
     let (wide, high) = (gather.low_width as usize, gather.low_height as usize);
     let low = every_pixel(high, wide, |pixel| shrink(blurred, gather, pixel.as_uvec2()));

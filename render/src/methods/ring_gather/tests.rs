@@ -67,7 +67,8 @@ fn what_is_flat_stays_flat_whatever_its_blur() {
     }
 }
 
-/// Light of one pixel far behind focus on what is black there too, and of one in front over what is black and sharp.
+/// Light of one pixel far behind focus on what is black there too, and of one in front over what is black and
+/// sharp.
 #[test]
 fn a_point_becomes_an_even_disc_with_all_of_its_energy() {
     let (size, middle, radius) = (64, IVec2::splat(32), 10.0);
@@ -90,8 +91,8 @@ fn a_point_becomes_an_even_disc_with_all_of_its_energy() {
     }
 }
 
-/// A near half plane, white, over what is black and sharp: of a disc whose middle is as far from the edge as a pixel is,
-/// the share beyond the edge is white.
+/// A near half plane, white, over what is black and sharp: of a disc whose middle is as far from the edge as
+/// a pixel is, the share beyond the edge is white.
 #[test]
 fn a_near_edge_covers_what_it_cuts_of_the_disc() {
     let (size, radius) = (64, 8.0f32);

@@ -1,18 +1,20 @@
-//! Subsurface scattering as two blurs, along rows and along columns: what games do, the rival that the thesis names (7.4).
+//! Subsurface scattering as two blurs, along rows and along columns: what games do, the rival that the thesis
+//! names (7.4).
 //!
-//! Jimenez, Zsolnai, Jarabo, Freude, Auzinger, Wu, von der Pahlen, Wimmer and Gutierrez, "Separable subsurface scattering",
-//! Computer Graphics Forum 34(6), 2015. Each colour of a pixel is the weighted mean of taps on its row, then of taps of that
-//! on its column, at distances that its mean free path and its depth scale. The weights are truth's profile integrated
-//! across the row ([`kernel`]). A tap whose surface is farther away in space than on the screen counts less, and one
-//! that shows nothing not at all; weights are divided by their sum, as truth does.
+//! Jimenez, Zsolnai, Jarabo, Freude, Auzinger, Wu, von der Pahlen, Wimmer and Gutierrez, "Separable
+//! subsurface scattering", Computer Graphics Forum 34(6), 2015. Each colour of a pixel is the weighted mean
+//! of taps on its row, then of taps of that on its column, at distances that its mean free path and its depth
+//! scale. The weights are truth's profile integrated across the row ([`kernel`]). A tap whose surface is
+//! farther away in space than on the screen counts less, and one that shows nothing not at all; weights are
+//! divided by their sum, as truth does.
 //!
-//! The paper's other kernel, two Gaussians set by hand, is for artists without a profile: for truth's there is nothing to
-//! set.
+//! The paper's other kernel, two Gaussians set by hand, is for artists without a profile: for truth's there
+//! is nothing to set.
 //!
-//! Limits. The product of two kernels is exact where light varies along one axis; about a point of light it is a star and
-//! not a disc. Slanted surfaces are seen shortened along the slant, and areas are not weighed. What is not on the
-//! screen neither gives nor takes. Its rival, the gather (`methods/gather`), has neither of the first two limits and noise
-//! instead.
+//! Limits. The product of two kernels is exact where light varies along one axis; about a point of light it
+//! is a star and not a disc. Slanted surfaces are seen shortened along the slant, and areas are not weighed.
+//! What is not on the screen neither gives nor takes. Its rival, the gather (`methods/gather`), has neither
+//! of the first two limits and noise instead.
 
 pub mod kernel;
 pub mod reference;
@@ -38,8 +40,8 @@ pub struct SeparableParameters {
     /// Distance of the last tap, mean free paths.
     #[schemars(range(min = 0.5, max = 32.0), extend("unit" = "mean free paths"))]
     pub reach: f32,
-    /// How many of itself a tap's weight falls by where it is a mean free path farther in space than on the screen:
-    /// `exp(-follow)`.
+    /// How many of itself a tap's weight falls by where it is a mean free path farther in space than on the
+    /// screen: `exp(-follow)`.
     #[schemars(range(min = 0.0, max = 4.0))]
     pub follow: f32,
 }
@@ -92,9 +94,9 @@ pub struct Settings {
 impl SeparableParameters {
     /// Those of a quality: the paper's 7 to 25 taps, and at last more.
     ///
-    /// Swept on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves, cities):
-    /// `reach` from 3 to 15 for each number of taps, `follow` from 0 to 1 (1/3 is what the profile's long tail falls by),
-    /// and kernels 0.7 to 1.4 times as wide, of which the derived one is as good as any.
+    /// Swept on ten training pairs of `dataset/recipes/sss.toml` (rooms, colonnades, still lives, shelves,
+    /// cities): `reach` from 3 to 15 for each number of taps, `follow` from 0 to 1 (1/3 is what the profile's
+    /// long tail falls by), and kernels 0.7 to 1.4 times as wide, of which the derived one is as good as any.
     pub fn of(quality: Quality) -> Self {
         let (taps, reach) = match quality {
             Quality::Low => (7, 4.0),

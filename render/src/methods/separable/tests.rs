@@ -25,7 +25,8 @@ fn scattered(gbuffer: &GBuffer, parameters: &SeparableParameters) -> Planes {
 
 #[test]
 fn the_kernel_is_the_profile_integrated_over_columns() {
-    // A profile's share in a strip, by sums over the plane in rings: of a ring of radius r, acos(a / r) / pi is beyond a.
+    // A profile's share in a strip, by sums over the plane in rings: of a ring of radius r, acos(a / r) / pi
+    // is beyond a.
     let beyond = |a: f64| {
         let steps = 200_000;
         let step = 40.0 / f64::from(steps);
@@ -63,7 +64,8 @@ fn even_light_stays_as_it_is() {
     }
 }
 
-/// A step of light on a plane that faces the camera: the share of the profile on the lit side, along rows and along columns.
+/// A step of light on a plane that faces the camera: the share of the profile on the lit side, along rows and
+/// along columns.
 #[test]
 fn a_step_of_light_becomes_the_integral_of_the_profile() {
     const SIZE: usize = 97;

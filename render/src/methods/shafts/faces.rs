@@ -1,6 +1,6 @@
-//! A distant lamp's light on its way through a medium's box: it comes in by the nearest of the three faces that look
-//! towards the lamp, so that along a view ray its way is the least of three linear functions, and what is scattered
-//! to the eye has a closed form.
+//! A distant lamp's light on its way through a medium's box: it comes in by the nearest of the three faces
+//! that look towards the lamp, so that along a view ray its way is the least of three linear functions, and
+//! what is scattered to the eye has a closed form.
 
 use crate::scene::Bounds;
 use glam::Vec3;
@@ -14,8 +14,8 @@ pub struct Faces {
     pub crossings: [f32; 3],
 }
 
-/// Least share of a direction towards a lamp that crosses a face: one that is crossed less is as far away as it can
-/// be.
+/// Least share of a direction towards a lamp that crosses a face: one that is crossed less is as far away as
+/// it can be.
 const LEAST_SPEED: f32 = 1e-6;
 
 impl Faces {
@@ -39,8 +39,8 @@ impl Faces {
         if way(2) < way(nearer) { 2 } else { nearer }
     }
 
-    /// Integral over a lit part of the view ray of what is left of light after both ways, that on the view ray counted
-    /// from `near`, metres.
+    /// Integral over a lit part of the view ray of what is left of light after both ways, that on the view
+    /// ray counted from `near`, metres.
     pub fn integral(&self, extinction: f32, near: f32, [from, to]: [f32; 2]) -> f32 {
         let (mut sum, mut start) = (0.0, from);
         for end in self.crossings.into_iter().chain([to]) {

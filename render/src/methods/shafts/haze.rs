@@ -57,8 +57,8 @@ impl<'a> Haze<'a> {
         }
     }
 
-    /// How far light has travelled in it, metres, when it reaches a point inside: from `way` metres away, along a unit
-    /// direction towards the light.
+    /// How far light has travelled in it, metres, when it reaches a point inside: from `way` metres away,
+    /// along a unit direction towards the light.
     pub fn way_in(&self, point: Vec3, towards: Vec3, way: f32) -> f32 {
         self.span(point, towards, way).map_or(0.0, |[near, far]| far - near)
     }

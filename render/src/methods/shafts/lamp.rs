@@ -1,5 +1,5 @@
-//! A light without an extent as those see it who integrate along its rays: where rays come from, and what varies from
-//! one to the other.
+//! A light without an extent as those see it who integrate along its rays: where rays come from, and what
+//! varies from one to the other.
 
 use crate::path::lights::Arrival;
 use crate::scene::{Light, Scene};

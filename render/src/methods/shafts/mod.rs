@@ -1,14 +1,14 @@
 //! What the methods share that integrate single scattering along view rays on the processor ([`ray_march`],
-//! [`epipolar`], [`epipolar_sampling`], [`min_max`]): view rays ([`ViewRays`]), lamps ([`Lamp`]), their shadow maps
-//! ([`ShadowMap`]), a medium that is the same throughout ([`Haze`]), and [`Shafts`], which makes a [`Method`] of a
-//! way to integrate.
+//! [`epipolar`], [`epipolar_sampling`], [`min_max`]): view rays ([`ViewRays`]), lamps ([`Lamp`]), their
+//! shadow maps ([`ShadowMap`]), a medium that is the same throughout ([`Haze`]), and [`Shafts`], which makes
+//! a [`Method`] of a way to integrate.
 //!
-//! The clock holds what the way to integrate does, for all lamps one after the other. View rays with their depths and
-//! shadow maps are given, as in Baran et al. 2010 (section 10): a renderer has them anyway.
+//! The clock holds what the way to integrate does, for all lamps one after the other. View rays with their
+//! depths and shadow maps are given, as in Baran et al. 2010 (section 10): a renderer has them anyway.
 //!
-//! Limits of all of them: light of point, spot and directional lights only, not of emissive surfaces and of the
-//! environment; shadows as fine as the texels of the map; blended surfaces hide light from an opacity of one half on;
-//! the camera is a pinhole.
+//! Limits of all of them: light of point, spot and directional lights only, not of emissive surfaces and of
+//! the environment; shadows as fine as the texels of the map; blended surfaces hide light from an opacity of
+//! one half on; the camera is a pinhole.
 //!
 //! [`ray_march`]: super::ray_march
 //! [`epipolar`]: super::epipolar

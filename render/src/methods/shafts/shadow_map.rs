@@ -1,9 +1,9 @@
-//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection over the scene's
-//! box, for others in stereographic projection around the light (both hemispheres, or as much of one as a spot
-//! lights).
+//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection over the
+//! scene's box, for others in stereographic projection around the light (both hemispheres, or as much of one
+//! as a spot lights).
 //!
-//! Texels lie in tiles of 4 x 4, a cache line each, so that a walk in any direction meets a new line every few steps
-//! (as Baran et al. 2010, section 10, have it for their ray marcher).
+//! Texels lie in tiles of 4 x 4, a cache line each, so that a walk in any direction meets a new line every
+//! few steps (as Baran et al. 2010, section 10, have it for their ray marcher).
 
 use super::lamp::{Lamp, Place};
 use crate::bvh::TracedScene;
@@ -49,7 +49,8 @@ pub struct Parallel {
     rows: [Vec3; 3],
 }
 
-/// A stereographic projection from the point opposite to an axis: the direction `d` is at `(d.x, d.y) / (1 + d.z)`.
+/// A stereographic projection from the point opposite to an axis: the direction `d` is at
+/// `(d.x, d.y) / (1 + d.z)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Stereographic {
     position: Vec3,

@@ -1,5 +1,5 @@
-//! What holds for every method that integrates along view rays: closed forms, truth, and the places where geometry
-//! degenerates.
+//! What holds for every method that integrates along view rays: closed forms, truth, and the places where
+//! geometry degenerates.
 
 mod closed_forms;
 mod limits;

@@ -13,7 +13,8 @@ pub struct ViewRays {
     pub eye: Vec3,
     /// Unit vectors, world space.
     pub directions: Vec<Vec3>,
-    /// From which distance to which each is in the medium before a surface, metres; two zeros where it is not.
+    /// From which distance to which each is in the medium before a surface, metres; two zeros where it is
+    /// not.
     pub spans: Vec<[f32; 2]>,
     camera: crate::scene::Camera,
     height: usize,
@@ -87,8 +88,8 @@ fn middle(index: usize, width: usize) -> Vec2 {
     Vec2::new((index % width) as f32 + 0.5, (index / width) as f32 + 0.5)
 }
 
-/// How far each pixel's surface is from the eye, metres; infinite where none is seen. `None` if the g-buffer does not
-/// say.
+/// How far each pixel's surface is from the eye, metres; infinite where none is seen. `None` if the g-buffer
+/// does not say.
 fn distances(gbuffer: &GBuffer, frame: &Frame<'_>) -> Option<Vec<f32>> {
     let planes = gbuffer.select(&WANTED).ok()?;
     let (depth, valid) = (planes.plane(0), planes.plane(1));

@@ -1,7 +1,7 @@
 use super::*;
 
-/// The tilt and the axes of a slice whose normal's projection has this angle from the eye, the normal leaning out of
-/// the slice.
+/// The tilt and the axes of a slice whose normal's projection has this angle from the eye, the normal leaning
+/// out of the slice.
 fn slice(angle: f32) -> (Tilt, Vec3, Vec3, Vec3) {
     let (to_eye, across) = (Vec3::Z, Vec3::X);
     let normal = Vec3::new(angle.sin(), 0.6, angle.cos()).normalize();

@@ -1,19 +1,20 @@
 //! Screen-space directional occlusion.
 //!
-//! Ritschel, Grosch and Seidel, "Approximating dynamic global illumination in image space", I3D 2009. From each pixel's
-//! surface, directions of the hemisphere are marched up to the radius; a direction is blocked if one of its points lies
-//! behind what the camera sees there, and no further behind than things are thick. Where the original takes one point a
-//! direction, here several do, the denser the nearer. Directions that nothing blocks bring the environment's radiance;
-//! they are spread by their cosine to the normal, so that their mean is irradiance over pi, and with a radiance of 1 from
-//! everywhere the ambient occlusion of the same directions. A blur that keeps edges removes the noise.
+//! Ritschel, Grosch and Seidel, "Approximating dynamic global illumination in image space", I3D 2009. From
+//! each pixel's surface, directions of the hemisphere are marched up to the radius; a direction is blocked if
+//! one of its points lies behind what the camera sees there, and no further behind than things are thick.
+//! Where the original takes one point a direction, here several do, the denser the nearer. Directions that
+//! nothing blocks bring the environment's radiance; they are spread by their cosine to the normal, so that
+//! their mean is irradiance over pi, and with a radiance of 1 from everywhere the ambient occlusion of the
+//! same directions. A blur that keeps edges removes the noise.
 //!
-//! So few directions would miss a sun or hit it by chance: they read a small map whose texels are means of the
-//! environment over their solid angles ([`EnvironmentMap`]). Shadows are as soft as its texels are wide, 22 degrees in
-//! the default.
+//! So few directions would miss a sun or hit it by chance: they read a small map whose texels are means of
+//! the environment over their solid angles ([`EnvironmentMap`]). Shadows are as soft as its texels are wide,
+//! 22 degrees in the default.
 //!
-//! Limits. What is hidden behind something in front, behind the camera or outside the image does not block, everything
-//! is equally thick, and what is thinner than points are apart is missed at random. Light that bounces, the other half of
-//! the paper, is [`ssgi`](super::ssgi)'s.
+//! Limits. What is hidden behind something in front, behind the camera or outside the image does not block,
+//! everything is equally thick, and what is thinner than points are apart is missed at random. Light that
+//! bounces, the other half of the paper, is [`ssgi`](super::ssgi)'s.
 //!
 //! Bent normals of [`gtao`](super::gtao) would be faster, and would take all open directions for one cone.
 
@@ -49,12 +50,14 @@ pub struct SsdoParameters {
 }
 
 impl SsdoParameters {
-    /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a finer map.
+    /// Those of a quality: more directions and points leave less noise to the blur, miss less, and can tell a
+    /// finer map.
     ///
-    /// Swept on room, colonnade, still life, machinery, stairs and shelves under skies and photographed environments at
-    /// 176x120 with a radius of 10 % of the diagonal. With 64 directions maps of 8 rows are best by 0.016 of SSIM to 16
-    /// rows and 0.08 to 32, with 128 those of 8 and 16 are level. Thicknesses from 0.25 to 0.5 are within 0.002; fewer
-    /// than 10 steps lose, more than 16 gain nothing; a blur of 4 to 6 pixels with a sharpness of 512 is best.
+    /// Swept on room, colonnade, still life, machinery, stairs and shelves under skies and photographed
+    /// environments at 176x120 with a radius of 10 % of the diagonal. With 64 directions maps of 8 rows are
+    /// best by 0.016 of SSIM to 16 rows and 0.08 to 32, with 128 those of 8 and 16 are level. Thicknesses
+    /// from 0.25 to 0.5 are within 0.002; fewer than 10 steps lose, more than 16 gain nothing; a blur of 4 to
+    /// 6 pixels with a sharpness of 512 is best.
     pub fn of(quality: Quality) -> Self {
         let (directions, steps, environment_height, radius) = match quality {
             Quality::Low => (8, 6, 8, 4),

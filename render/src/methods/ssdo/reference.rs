@@ -14,7 +14,8 @@ pub fn gather_light(surface: &Surface, environment: &EnvironmentMap, ssdo: &unif
     surface.image(0.0, |pixel| light(surface, environment, ssdo, pixel).to_array())
 }
 
-/// Whether a point in camera space is behind a surface that the camera sees, and no further than that is thick.
+/// Whether a point in camera space is behind a surface that the camera sees, and no further than that is
+/// thick.
 fn is_hidden(surface: &Surface, ssdo: &uniforms::Ssdo, point: Vec3) -> bool {
     let middle = 0.5 * Vec2::new(ssdo.width as f32, ssdo.height as f32);
     let at = (middle + Vec2::new(point.x, -point.y) * (ssdo.focal_length / -point.z)).floor().as_ivec2();
@@ -22,8 +23,8 @@ fn is_hidden(surface: &Surface, ssdo: &uniforms::Ssdo, point: Vec3) -> bool {
         return false;
     }
     let position = surface.position_at(at);
-    // Behind the plane of the pixel's surface, since the point is beside the ray through the pixel's middle, by more
-    // than rounding.
+    // Behind the plane of the pixel's surface, since the point is beside the ray through the pixel's middle,
+    // by more than rounding.
     (point - position).dot(surface.normal_at(at)) < -1e-4 * ssdo.radius
         && point.length() - position.length() < ssdo.thickness
 }

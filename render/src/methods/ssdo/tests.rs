@@ -19,8 +19,8 @@ use deepshade_shaders::gpu::Gpu;
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
-/// Rounding puts a point on the neighbouring pixel or behind what it was before, which is one direction of many; the blur
-/// shares that out.
+/// Rounding puts a point on the neighbouring pixel or behind what it was before, which is one direction of
+/// many; the blur shares that out.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.1 };
 
 /// Many directions and points, no blur: the integral itself.

@@ -1,16 +1,16 @@
 //! Screen-space indirect light by visibility bitmasks.
 //!
-//! Therrien, Levesque and Gilet, "Screen Space Indirect Lighting with Visibility Bitmask", The Visual Computer 2023.
-//! The march is that of [`gtao`](super::gtao): slices of the hemisphere, whose cosine-weighted sectors are covered by what
-//! is met within the radius ([`slices`]). Here a sample that newly covers sectors sends its direct light,
-//! reflected diffusely, through them, if its normal faces the receiver; the mean over all sectors is irradiance over pi.
-//! A blur that keeps edges removes the noise.
+//! Therrien, Levesque and Gilet, "Screen Space Indirect Lighting with Visibility Bitmask", The Visual
+//! Computer 2023. The march is that of [`gtao`](super::gtao): slices of the hemisphere, whose cosine-weighted
+//! sectors are covered by what is met within the radius ([`slices`]). Here a sample that newly covers sectors
+//! sends its direct light, reflected diffusely, through them, if its normal faces the receiver; the mean over
+//! all sectors is irradiance over pi. A blur that keeps edges removes the noise.
 //!
-//! Limits. What the camera does not see sends nothing and blocks nothing, above all what faces away from it; and the back
-//! of a thing, as thick as everything is taken to be, sends what its front does.
+//! Limits. What the camera does not see sends nothing and blocks nothing, above all what faces away from it;
+//! and the back of a thing, as thick as everything is taken to be, sends what its front does.
 //!
-//! Unlike gathering from random pixels without visibility (the directional occlusion of Ritschel, Grosch and Seidel
-//! 2009) it knows what is hidden from the receiver, and its sum is normalised by its construction.
+//! Unlike gathering from random pixels without visibility (the directional occlusion of Ritschel, Grosch and
+//! Seidel 2009) it knows what is hidden from the receiver, and its sum is normalised by its construction.
 
 pub mod reference;
 #[cfg(test)]
@@ -33,10 +33,11 @@ pub struct SsgiParameters {
 impl SsgiParameters {
     /// Those of a quality: more slices and steps leave less noise to the blur, and miss less.
     ///
-    /// Swept on room, colonnade, still life, machinery, stairs and shelves, each with a lamp, at 176x120 with a radius of
-    /// 20 % of the diagonal: a thickness of 0.2 has the best SSIM and 0.35 the least squared error, each within 0.004 and
-    /// 2 % of 0.25; a blur of 3 or 4 pixels with a sharpness of 512 is best, of 64 loses 0.03. Steps matter most.
-    /// Twice the slices and steps of the highest quality change its images there by an SSIM of 0.990 to 0.998 to themselves.
+    /// Swept on room, colonnade, still life, machinery, stairs and shelves, each with a lamp, at 176x120 with
+    /// a radius of 20 % of the diagonal: a thickness of 0.2 has the best SSIM and 0.35 the least squared
+    /// error, each within 0.004 and 2 % of 0.25; a blur of 3 or 4 pixels with a sharpness of 512 is best, of
+    /// 64 loses 0.03. Steps matter most. Twice the slices and steps of the highest quality change its images
+    /// there by an SSIM of 0.990 to 0.998 to themselves.
     pub fn of(quality: Quality) -> Self {
         let (slices, steps, blur_radius) = match quality {
             Quality::Low => (2, 8, 4),

@@ -20,8 +20,8 @@ use glam::Vec3;
 const HEIGHT: usize = 43;
 const WIDTH: usize = 61;
 
-/// Rounding moves the border of a sector, which is a slice's 32nd, or puts a sample on the neighbouring pixel; the blur
-/// shares that out. Of light of 1.
+/// Rounding moves the border of a sector, which is a slice's 32nd, or puts a sample on the neighbouring
+/// pixel; the blur shares that out. Of light of 1.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.05 };
 
 /// A g-buffer with the light that its surfaces send, by position and normal.

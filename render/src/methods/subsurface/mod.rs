@@ -2,15 +2,15 @@
 //! screen space: [`separable`](super::separable) and [`gather`](super::gather), the rivals of surfels, which
 //! know only what is seen.
 //!
-//! In screen space radiance is averaged by Christensen and Burley's profile (2015), whose length is the mean free path.
-//! Walks differ in two things. What they bring out is what falls on the surface elsewhere, in the colour of the surface
-//! where it comes out: methods are therefore given light as a white surface would reflect it, and what they make of it
-//! is multiplied by the colour. And the length is shorter than the mean free path by the paper's equation 6, with the
-//! colour where light comes out.
+//! In screen space radiance is averaged by Christensen and Burley's profile (2015), whose length is the mean
+//! free path. Walks differ in two things. What they bring out is what falls on the surface elsewhere, in the
+//! colour of the surface where it comes out: methods are therefore given light as a white surface would
+//! reflect it, and what they make of it is multiplied by the colour. And the length is shorter than the mean
+//! free path by the paper's equation 6, with the colour where light comes out.
 //!
-//! Limits: those of each method. Nothing goes through a body that is lit from behind. Bodies give to one another what
-//! falls on them. What of a colour falls on a surface that is black in it is not known: it is taken for as much as of the
-//! others in the mean, and for nothing where the surface is black in all.
+//! Limits: those of each method. Nothing goes through a body that is lit from behind. Bodies give to one
+//! another what falls on them. What of a colour falls on a surface that is black in it is not known: it is
+//! taken for as much as of the others in the mean, and for nothing where the surface is black in all.
 
 #[cfg(test)]
 mod tests;

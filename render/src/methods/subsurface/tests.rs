@@ -36,8 +36,8 @@ fn coloured(colour: impl Fn(IVec2) -> Vec3, light: impl Fn(IVec2) -> Vec3 + Sync
     GBuffer::new(gather(Quality::Low).attributes().to_vec(), Planes::from_data(13, height, width, data))
 }
 
-/// Proves of the gather what `prove_twin` does, from the lengths that the passes have written: of those that differ in
-/// their last bits samples may be put on neighbouring pixels.
+/// Proves of the gather what `prove_twin` does, from the lengths that the passes have written: of those that
+/// differ in their last bits samples may be put on neighbouring pixels.
 fn prove_gather_twin(quality: Quality, gbuffer: &GBuffer, view: &View, tolerance: Tolerance) {
     let written = written_on_gpu(&gather(quality), gbuffer, None, view);
     let (received, lengths) = entering(gbuffer).expect("attributes");

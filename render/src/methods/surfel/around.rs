@@ -1,5 +1,5 @@
-//! What an effect has around the levels on the GPU: what splats read beside surfels, where the sum goes, and what is
-//! made of it.
+//! What an effect has around the levels on the GPU: what splats read beside surfels, where the sum goes, and
+//! what is made of it.
 
 use super::directional::Sky;
 use crate::methods::lobe;

@@ -1,12 +1,13 @@
-//! Glossy indirect light by surfels (thesis 4.3): what a surface's specular lobe reflects to the eye of what surfels
-//! send.
+//! Glossy indirect light by surfels (thesis 4.3): what a surface's specular lobe reflects to the eye of what
+//! surfels send.
 //!
-//! A surfel that stands for many is one direction where there are many, and as bright as all of them: a lobe that is
-//! narrower than what the surfel stands for looks large would be noise. It is made so much wider ([`WIDER`]), so that
-//! mirrors show surfels as blurred as they are coarse.
+//! A surfel that stands for many is one direction where there are many, and as bright as all of them: a lobe
+//! that is narrower than what the surfel stands for looks large would be noise. It is made so much wider
+//! ([`WIDER`]), so that mirrors show surfels as blurred as they are coarse.
 //!
-//! What is blurred is light as a white surface would reflect it; it gets its colour afterwards. So colours stay sharp,
-//! and what is matte darkens nothing beside it; pixels whose bent normal faces away from the eye do. Roughness and normals that change within a plane are smeared.
+//! What is blurred is light as a white surface would reflect it; it gets its colour afterwards. So colours
+//! stay sharp, and what is matte darkens nothing beside it; pixels whose bent normal faces away from the eye
+//! do. Roughness and normals that change within a plane are smeared.
 
 use super::around::Ending;
 use super::reference::{Receiver, Shade, facing, sent};
@@ -20,9 +21,9 @@ use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// What is added to alpha squared, over the squared angle of the radius that a surfel stands for: the variance of an
-/// even disk is a fourth of its radius squared, facets turn half as far as what they mirror, and alpha squared is twice
-/// a variance.
+/// What is added to alpha squared, over the squared angle of the radius that a surfel stands for: the
+/// variance of an even disk is a fourth of its radius squared, facets turn half as far as what they mirror,
+/// and alpha squared is twice a variance.
 const WIDER: f32 = 0.125;
 
 /// The effect `glossy`.
@@ -65,7 +66,8 @@ fn plain(plain: &Plain<'_, SurfelParameters>, disks: &[Disk]) -> Result<Planes, 
     }))
 }
 
-/// By how much more of light from a direction is reflected than where facets lie flat; of what is black as much.
+/// By how much more of light from a direction is reflected than where facets lie flat; of what is black as
+/// much.
 fn tint(lobe: &Lobe, light: Vec3) -> Vec3 {
     let (colour, usual) = (lobe.colour(light), lobe.usual_colour());
     Vec3::from_array(std::array::from_fn(|c| if usual[c] > 0.0 { colour[c] / usual[c] } else { 1.0 }))

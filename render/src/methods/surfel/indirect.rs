@@ -1,9 +1,9 @@
-//! Diffuse indirect light by surfels (thesis 4.3): the sum of what they send. Of `gi` that is what they reflect once of the
-//! scene's lights, with shadows; of `phosphor-gi` what they give back of light that they kept, each part of all surface with
-//! states of its own.
+//! Diffuse indirect light by surfels (thesis 4.3): the sum of what they send. Of `gi` that is what they
+//! reflect once of the scene's lights, with shadows; of `phosphor-gi` what they give back of light that they
+//! kept, each part of all surface with states of its own.
 //!
-//! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no unit;
-//! surfels without light are left out.
+//! Unlike the paper's, shells are as wide for a dim surfel as for a bright one, so that the threshold has no
+//! unit; surfels without light are left out.
 
 use super::around::Ending;
 use super::reference::{self, LIGHT};

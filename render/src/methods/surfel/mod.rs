@@ -1,29 +1,32 @@
 //! Shading by surfels: deep screen space.
 //!
-//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels ([`crate::surfels`]) stand
-//! for the whole scene; each does to every pixel what a disk of its size does. Near ones do it to every pixel; those
-//! farther away than a threshold epsilon of effect allows do it to one pixel of four, of sixteen and so on, four,
-//! sixteen times as much each: shells around a surfel, splatted to the levels of an interleaved framebuffer
-//! ([`shells`]). Levels are blurred and added up.
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis chapter 4). Surfels
+//! ([`crate::surfels`]) stand for the whole scene; each does to every pixel what a disk of its size does.
+//! Near ones do it to every pixel; those farther away than a threshold epsilon of effect allows do it to one
+//! pixel of four, of sixteen and so on, four, sixteen times as much each: shells around a surfel, splatted to
+//! the levels of an interleaved framebuffer ([`shells`]). Levels are blurred and added up.
 //!
-//! In the paper a surfel is as much larger as it stands for others, and a large disk hides less than the small ones
-//! together: what is farther than a shell or two grows too bright. Here it keeps its size and counts for all, so that
-//! the mean is right at every threshold (colonnade:1, 0.6 m, against all surfels on all pixels: a difference of 0.058
-//! in place of 0.088 at a threshold of 0.2, 0.126 in place of 0.244 at 0.8).
+//! In the paper a surfel is as much larger as it stands for others, and a large disk hides less than the
+//! small ones together: what is farther than a shell or two grows too bright. Here it keeps its size and
+//! counts for all, so that the mean is right at every threshold (colonnade:1, 0.6 m, against all surfels on
+//! all pixels: a difference of 0.058 in place of 0.088 at a threshold of 0.2, 0.126 in place of 0.244 at
+//! 0.8).
 //!
-//! The splatting is turned round: a pixel walks a tree over the surfels of its sub-buffer. What is summed up is the
-//! same as with splats that are blended, always in the same order; there is no list of splats that could become too
-//! long, nothing to shuffle or unshuffle, and nothing to cull, since only what reaches the pixel is met.
+//! The splatting is turned round: a pixel walks a tree over the surfels of its sub-buffer. What is summed up
+//! is the same as with splats that are blended, always in the same order; there is no list of splats that
+//! could become too long, nothing to shuffle or unshuffle, and nothing to cull, since only what reaches the
+//! pixel is met.
 //!
-//! Methods: [`occlusion`], [`directional`] occlusion, [`indirect`] light, which [`glossy`] surfaces also reflect, and
-//! subsurface [`scattering`].
+//! Methods: [`occlusion`], [`directional`] occlusion, [`indirect`] light, which [`glossy`] surfaces also
+//! reflect, and subsurface [`scattering`].
 //!
-//! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far group of
-//! surfels is taken to look like the one of it that was drawn. One surfel more or less early in their order draws other
-//! ones on all coarser levels. Only lamps light surfels, emissive triangles and the environment do not.
+//! Limits. What hides behind something occludes too: two sheets one behind the other occlude twice. A far
+//! group of surfels is taken to look like the one of it that was drawn. One surfel more or less early in
+//! their order draws other ones on all coarser levels. Only lamps light surfels, emissive triangles and the
+//! environment do not.
 //!
-//! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it, beside the
-//! image, behind something in front, and surfaces seen from their edge.
+//! Unlike [`gtao`](super::gtao) and [`hbao`](super::hbao) it knows what the camera does not see: behind it,
+//! beside the image, behind something in front, and surfaces seen from their edge.
 
 pub mod around;
 pub mod directional;
@@ -55,7 +58,8 @@ pub struct SurfelParameters {
     /// Levels of the interleaved framebuffer, 1 to 8; 1 is splatting in full resolution.
     #[schemars(range(min = 1, max = 8))]
     pub levels: u32,
-    /// What removes the noise of a level: the radius is that of the finest, and is doubled with each coarser one.
+    /// What removes the noise of a level: the radius is that of the finest, and is doubled with each coarser
+    /// one.
     pub blur: blur::BlurParameters,
 }
 
@@ -66,8 +70,8 @@ const MOST_BLUR: u32 = 32;
 
 impl SurfelParameters {
     /// Those of a quality: smaller surfels, and more of their effect on every pixel. On the six scenes of
-    /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.279, 0.231 and 0.235:
-    /// beyond medium what is left is what hides nothing.
+    /// `dataset/recipes/gi-rivals.toml` low, medium and high come to a relative mean squared error of 0.279,
+    /// 0.231 and 0.235: beyond medium what is left is what hides nothing.
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold) = match quality {
             Quality::Low => (0.020, 0.3),

@@ -9,8 +9,8 @@ use deepshade_shaders::{Effect, Planes};
 use glam::{IVec2, UVec2, Vec3};
 use rayon::prelude::*;
 
-/// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to the disk's
-/// middle. Of closed surfaces only fronts count.
+/// The form factor from a point with a normal to a disk (Wallace, Elmquist and Haines 1989); `way` leads to
+/// the disk's middle. Of closed surfaces only fronts count.
 pub fn form_factor(way: Vec3, normal: Vec3, disk: &Disk) -> f32 {
     let squared = way.length_squared();
     let area = disk.radius * disk.radius;

@@ -1,4 +1,5 @@
-//! Shells around surfels and the levels of the interleaved framebuffer that they are splatted to (thesis 4.2.2).
+//! Shells around surfels and the levels of the interleaved framebuffer that they are splatted to (thesis
+//! 4.2.2).
 
 use super::SurfelParameters;
 use crate::screen::View;
@@ -12,8 +13,8 @@ pub fn reach(threshold: f32) -> f32 {
     (1.0 / threshold - 1.0).sqrt()
 }
 
-/// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its radius, as it
-/// is; on level l it stands for 4^l, so that the shell is 2^l times as large.
+/// What the passes of a level read. A surfel does something worth the threshold up to [`reach`] times its
+/// radius, as it is; on level l it stands for 4^l, so that the shell is 2^l times as large.
 pub fn level(parameters: &SurfelParameters, level: u32, view: &View) -> uniforms::SplatLevel {
     let (enlarged, reach) = ((1u32 << level) as f32, reach(parameters.threshold));
     uniforms::SplatLevel {

@@ -158,8 +158,8 @@ fn closed_forms() {
 
 #[test]
 fn a_sphere_hides_its_solid_angle_once() {
-    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and hides as
-    // much again.
+    // A sphere straight above hides (r / d)^2; with a hole at its top, its far half is seen from inside and
+    // hides as much again.
     let mut sphere = sphere_mesh(Vec3::new(0.0, 2.0, 0.0), 0.5);
     let hidden = |mesh: Mesh| occluded_at(&scene_of(vec![mesh]), Vec3::ZERO, 0.004) * 16.0;
     let whole = hidden(sphere.clone());
@@ -244,8 +244,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let light = brute_force(&surface, &disks, LIGHT, 20.0);
-    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless; seen from
-    // its middle it is so within 4 %.
+    // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless;
+    // seen from its middle it is so within 4 %.
     let mut compared = 0;
     for (index, valid) in surface.valid.data().iter().enumerate() {
         let at = IVec2::new((index % 64) as i32, (index / 64) as i32);

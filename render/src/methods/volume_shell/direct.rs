@@ -1,8 +1,10 @@
-//! Direct single scattering by the transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.3): what the medium
-//! scatters of the lamps' light, which is the effect `fog-direct`. The paper shows it beside the light of surfaces.
+//! Direct single scattering by the transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.3): what
+//! the medium scatters of the lamps' light, which is the effect `fog-direct`. The paper shows it beside the
+//! light of surfaces.
 //!
-//! Limits. Light of point, spot and directional lights only. A ray has as many points as intervals, so that what lies between
-//! shafts of light is noise; methods that follow the shafts are [`epipolar`](crate::methods::epipolar) and its rivals.
+//! Limits. Light of point, spot and directional lights only. A ray has as many points as intervals, so that
+//! what lies between shafts of light is noise; methods that follow the shafts are
+//! [`epipolar`](crate::methods::epipolar) and its rivals.
 
 use super::VolumeShellParameters;
 use super::map::{self, IntervalMap};

@@ -11,9 +11,11 @@ pub enum Improvement {
     TouchedOnly,
     /// Light below the threshold is not left out: the coarsest level's shells have no end.
     FarLight,
-    /// What is blurred is light over how much the ray scatters, so that a medium's edges and silhouettes before it stay sharp.
+    /// What is blurred is light over how much the ray scatters, so that a medium's edges and silhouettes
+    /// before it stay sharp.
     Silhouettes,
-    /// Distances of 16 bits, and the transmittance that an interval takes in place of density looked up at its end.
+    /// Distances of 16 bits, and the transmittance that an interval takes in place of density looked up at
+    /// its end.
     WideEncoding,
 }
 

@@ -110,9 +110,9 @@ pub fn mean_transmittance(medium: &Medium, passed: f32) -> f32 {
     (-medium.extinction().element_sum() / 3.0 * passed).exp()
 }
 
-/// The transmittance down to which one of so many samples is: 1 for the first, the least for the last, evenly between, moved
-/// by a random part of an interval. (The paper counts from 1 and divides i, not i - 1, by n - 1, so that the first would not be
-/// at 1.)
+/// The transmittance down to which one of so many samples is: 1 for the first, the least for the last, evenly
+/// between, moved by a random part of an interval. (The paper counts from 1 and divides i, not i - 1, by n -
+/// 1, so that the first would not be at 1.)
 pub fn threshold(sample: usize, count: usize, least: f32, offset: f32) -> f32 {
     match sample {
         0 => 1.0,
@@ -164,7 +164,8 @@ mod tests {
         }
     }
 
-    /// Light that is the same everywhere: a slab scatters albedo times (1 - exp(-sigma length)) of it to the eye.
+    /// Light that is the same everywhere: a slab scatters albedo times (1 - exp(-sigma length)) of it to the
+    /// eye.
     #[test]
     fn intervals_scatter_what_the_slab_does() {
         let sigma = Vec3::new(0.1, 0.5, 1.5);
@@ -174,13 +175,14 @@ mod tests {
             marched(&slab, 250, is_wide).intervals(&slab).iter().map(|interval| interval.weight).sum::<Vec3>()
         };
         assert!((sum(true) - right).abs().max_element() < 1e-5, "{} and {right}", sum(true));
-        // The paper's takes the transmittance at an interval's end, one in fifteen darker at most on the mean of the colours.
+        // The paper's takes the transmittance at an interval's end, one in fifteen darker at most on the mean
+        // of the colours.
         let paper = sum(false) / right;
         assert!(paper.max_element() < 1.0 && paper.min_element() > 0.85, "{paper}");
     }
 
-    /// A layer of a thirtieth of the way, as thick as a slab: the paper's encoding, which counts steps, misses most of what it
-    /// scatters, ours nothing.
+    /// A layer of a thirtieth of the way, as thick as a slab: the paper's encoding, which counts steps,
+    /// misses most of what it scatters, ours nothing.
     #[test]
     fn thin_layers_want_the_wide_encoding() {
         let layer = |x: usize| f32::from(u8::from(x == 15)) * 30.0;

@@ -1,17 +1,20 @@
 //! Light that surfaces throw into a medium: volume shell splatting.
 //!
-//! Nalbach, Ritschel and Seidel, "Deep Screen Space for Indirect Lighting of Volumes", VMV 2014 (thesis chapter 5). Each
-//! pixel's ray is divided into [`intervals`] between which the transmittance to the eye falls by equal parts; surfels that the
-//! lamps light through the medium scatter light into those that lie in their shells, on the levels of an interleaved
-//! framebuffer as [`surfel`] has it. Levels are blurred by a Gaussian [`pyramid`] and added up.
+//! Nalbach, Ritschel and Seidel, "Deep Screen Space for Indirect Lighting of Volumes", VMV 2014 (thesis
+//! chapter 5). Each pixel's ray is divided into [`intervals`] between which the transmittance to the eye
+//! falls by equal parts; surfels that the lamps light through the medium scatter light into those that lie in
+//! their shells, on the levels of an interleaved framebuffer as [`surfel`] has it. Levels are blurred by a
+//! Gaussian [`pyramid`] and added up.
 //!
-//! Beyond the paper are the [`Improvement`]s, which can be left out one by one to be measured. Surfels' shells are as wide for
-//! a dim one as for a bright one, so that the threshold has no unit. [`direct`] is light straight from the lamps by the same map.
+//! Beyond the paper are the [`Improvement`]s, which can be left out one by one to be measured. Surfels'
+//! shells are as wide for a dim one as for a bright one, so that the threshold has no unit. [`direct`] is
+//! light straight from the lamps by the same map.
 //!
-//! Limits. Nothing hides surfels from the medium: where much does, light is too bright. Light of point, spot and directional lights
-//! only, so that scenes lit by emissive surfaces or an environment stay black. What glossy surfaces reflect is left out. On
-//! lavapipe, which ends long loops, images are right up to some 500,000 visits of intervals a pixel and level. Images have at most
-//! four million pixels: a binding holds no more intervals.
+//! Limits. Nothing hides surfels from the medium: where much does, light is too bright. Light of point, spot
+//! and directional lights only, so that scenes lit by emissive surfaces or an environment stay black. What
+//! glossy surfaces reflect is left out. On lavapipe, which ends long loops, images are right up to some
+//! 500,000 visits of intervals a pixel and level. Images have at most four million pixels: a binding holds no
+//! more intervals.
 
 pub mod direct;
 mod improvements;
@@ -55,7 +58,8 @@ pub struct VolumeShellParameters {
     /// Points of the way from a surfel at which a grid's density is looked up.
     #[schemars(range(min = 1, max = 32))]
     pub points: u32,
-    /// The paper's delta: surfels nearer than this, over the effect's radius, do what they would at this distance.
+    /// The paper's delta: surfels nearer than this, over the effect's radius, do what they would at this
+    /// distance.
     #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "radii"))]
     pub nearest: f32,
     /// What is done in another way than in the paper; all of it but in studies.
@@ -64,9 +68,10 @@ pub struct VolumeShellParameters {
 }
 
 impl VolumeShellParameters {
-    /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a relative mean squared
-    /// error of 0.027 and 0.034 where truth's own noise is 0.06: what is left there is light that something should hide. In an
-    /// empty box a smaller threshold helps (`deepshade-studies volume-shell`).
+    /// Those of a quality. On `colonnade:1` in clouds (48x32, truth of 512 samples) low and ultra come to a
+    /// relative mean squared error of 0.027 and 0.034 where truth's own noise is 0.06: what is left there is
+    /// light that something should hide. In an empty box a smaller threshold helps
+    /// (`deepshade-studies volume-shell`).
     pub fn of(quality: Quality) -> Self {
         let (scale, threshold, steps, points) = match quality {
             Quality::Low => (0.060, 0.06, 64, 2),

@@ -1,5 +1,5 @@
-//! What runs on the GPU: surfels, their light through the medium and their tree; the interval map; the levels one after the
-//! other, and their sum.
+//! What runs on the GPU: surfels, their light through the medium and their tree; the interval map; the levels
+//! one after the other, and their sum.
 
 use super::improvements::Improvement;
 use super::map::{self, IntervalMap};
@@ -14,11 +14,12 @@ use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 
-/// Runs of a splat, each over a part of the tree's leaves: lavapipe ends the loops of an invocation after 65,535 turns in all, and what
-/// all of them do to a pixel may take more.
+/// Runs of a splat, each over a part of the tree's leaves: lavapipe ends the loops of an invocation after
+/// 65,535 turns in all, and what all of them do to a pixel may take more.
 const PARTS: u32 = 16;
 
-/// The contents of the passes' uniform buffers: surfels and their tree, march, splats, then of each level splat and sum.
+/// The contents of the passes' uniform buffers: surfels and their tree, march, splats, then of each level
+/// splat and sum.
 pub fn uniforms(parameters: &VolumeShellParameters, view: &View) -> Vec<Vec<u8>> {
     let mut settings = parameters.surfels;
     // Near is over the effect's radius, which is not how far surfels matter.

@@ -1,5 +1,5 @@
-//! The blur of a level by a Gaussian pyramid (Burt and Adelson 1983, "The Laplacian Pyramid as a Compact Image Code"): on level
-//! l of the framebuffer l halvings, and as many steps back.
+//! The blur of a level by a Gaussian pyramid (Burt and Adelson 1983, "The Laplacian Pyramid as a Compact
+//! Image Code"): on level l of the framebuffer l halvings, and as many steps back.
 
 use crate::screen::{Device, MethodStep};
 use deepshade_shaders::gpu::{self, GpuError};

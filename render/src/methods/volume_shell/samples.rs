@@ -1,4 +1,5 @@
-//! How the samples of a ray are kept, in plain Rust: `shared/intervals_encode_*` and `shared/intervals_decode_*`.
+//! How the samples of a ray are kept, in plain Rust: `shared/intervals_encode_*` and
+//! `shared/intervals_decode_*`.
 
 use super::intervals::{Interval, March, Ray};
 use crate::scene::Medium;
@@ -10,10 +11,11 @@ const WHOLE: f32 = 65_535.0;
 /// The samples of a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
-    /// As 16-bit shares of the way through the medium. Of each interval the albedo times the transmittance that falls within
-    /// it is scattered in its middle: no density is looked up, and none is missed.
+    /// As 16-bit shares of the way through the medium. Of each interval the albedo times the transmittance
+    /// that falls within it is scattered in its middle: no density is looked up, and none is missed.
     Wide(Vec<u16>),
-    /// As in the paper: of each interval its length times scattering coefficient and transmittance at its end.
+    /// As in the paper: of each interval its length times scattering coefficient and transmittance at its
+    /// end.
     Paper {
         /// Steps of the march on the whole way.
         steps: u32,

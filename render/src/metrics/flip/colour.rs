@@ -1,5 +1,5 @@
-//! The colour spaces of FLIP: linear sRGB, the opponent space YCxCz (CIELab without its cube root), and CIELab with
-//! Hunt's adjustment.
+//! The colour spaces of FLIP: linear sRGB, the opponent space YCxCz (CIELab without its cube root), and
+//! CIELab with Hunt's adjustment.
 
 use deepshade_shaders::Planes;
 use glam::{Mat3, Vec3};

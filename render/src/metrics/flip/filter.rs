@@ -1,5 +1,5 @@
-//! The filters of FLIP, all separable: the eye's contrast sensitivity (section 4.1.1) and the derivatives that find
-//! edges and points (section 4.2.1). Borders are replicated.
+//! The filters of FLIP, all separable: the eye's contrast sensitivity (section 4.1.1) and the derivatives
+//! that find edges and points (section 4.2.1). Borders are replicated.
 
 use rayon::prelude::*;
 use std::f32::consts::PI;

@@ -1,10 +1,11 @@
-//! FLIP, the difference that a viewer sees when alternating between two images (Andersson, Nilsson, Akenine-Möller,
-//! Oskarsson, Åström and Fairchild 2020), for low dynamic range.
+//! FLIP, the difference that a viewer sees when alternating between two images (Andersson, Nilsson,
+//! Akenine-Möller, Oskarsson, Åström and Fairchild 2020), for low dynamic range.
 //!
 //! Two measures meet: the colour difference of images seen through the eye's contrast sensitivity, and the
-//! difference of edges and points, which makes colour differences count more (section 4.3). Grey images are taken
-//! as equal red, green and blue. FLIP is defined on sRGB images; these are linear, and encoding them only for FLIP
-//! to decode them would change nothing, so values are clamped to [0, 1], as encoding would, and used as they are.
+//! difference of edges and points, which makes colour differences count more (section 4.3). Grey images are
+//! taken as equal red, green and blue. FLIP is defined on sRGB images; these are linear, and encoding them
+//! only for FLIP to decode them would change nothing, so values are clamped to [0, 1], as encoding would, and
+//! used as they are.
 
 mod colour;
 mod filter;

@@ -6,8 +6,8 @@ use nv_flip::FlipImageRgb8;
 
 const HEIGHT: usize = 61;
 const WIDTH: usize = 83;
-/// Both compute in 32-bit floats. Where colours hardly differ and edges do, the exponents make 1e-3 of a rounding
-/// error (grey discs: 9.6e-4); everywhere else pixels agree to 1e-5.
+/// Both compute in 32-bit floats. Where colours hardly differ and edges do, the exponents make 1e-3 of a
+/// rounding error (grey discs: 9.6e-4); everywhere else pixels agree to 1e-5.
 const PIXEL_TOLERANCE: f32 = 2e-3;
 const MEAN_TOLERANCE: f64 = 1e-5;
 

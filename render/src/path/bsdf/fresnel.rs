@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
-/// The grazing reflectance is 1 for specular colours from here on. No material reflects less than 2 %: smaller values
-/// mean that something is in the specular reflection's way, at grazing angles too (Lagarde and de Rousiers, "Moving
-/// Frostbite to Physically Based Rendering", 2014, 3.2).
+/// The grazing reflectance is 1 for specular colours from here on. No material reflects less than 2 %:
+/// smaller values mean that something is in the specular reflection's way, at grazing angles too (Lagarde and
+/// de Rousiers, "Moving Frostbite to Physically Based Rendering", 2014, 3.2).
 const FULL_GRAZING: f32 = 0.02;
 
-/// The mean over a cosine-weighted hemisphere of `(1 - cos)^5`, which is 1/21, taken a little smaller: then the diffuse
-/// base and microfacets, whose reflectance at some angles is up to 0.2 % above that of a flat surface, never give back
-/// more than they receive.
+/// The mean over a cosine-weighted hemisphere of `(1 - cos)^5`, which is 1/21, taken a little smaller: then
+/// the diffuse base and microfacets, whose reflectance at some angles is up to 0.2 % above that of a flat
+/// surface, never give back more than they receive.
 const MEAN_OF_FIFTH: f32 = 1.0 / 22.0;
 
 /// Share of light that a surface reflects at an angle.

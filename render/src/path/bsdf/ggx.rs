@@ -8,7 +8,8 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 /// Narrower lobes are below what directions in f32 resolve: it takes 10,000 roundings to cross this one.
 const NARROWEST_ALPHA: f32 = 1e-3;
 
-/// The microfacets of a rough surface. A lobe is of all the light that it gets; how much that is says Fresnel.
+/// The microfacets of a rough surface. A lobe is of all the light that it gets; how much that is says
+/// Fresnel.
 #[derive(Clone, Copy, Debug)]
 pub struct Ggx {
     /// Slope of the microfacets.
@@ -35,8 +36,8 @@ impl Ggx {
         self.facets(half) * both / (4.0 * viewer.z * light.z)
     }
 
-    /// A direction to the light: mirrored by a microfacet that the viewer sees (Heitz 2018; drawn as Dupuy and Benyoub
-    /// 2023 do, from a spherical cap). May be below the surface.
+    /// A direction to the light: mirrored by a microfacet that the viewer sees (Heitz 2018; drawn as Dupuy
+    /// and Benyoub 2023 do, from a spherical cap). May be below the surface.
     pub fn sample(&self, viewer: Vec3, square: Vec2) -> Vec3 {
         let stretched = Vec3::new(self.alpha * viewer.x, self.alpha * viewer.y, viewer.z).normalize();
         let z = (1.0 - square.y) * (1.0 + stretched.z) - stretched.z;
@@ -54,8 +55,8 @@ impl Ggx {
         self.facets(half) * visible / (4.0 * viewer.z)
     }
 
-    /// Area of the microfacets with a normal, per area and steradian. By the tangent, which keeps its digits where the
-    /// cosine is nearly 1.
+    /// Area of the microfacets with a normal, per area and steradian. By the tangent, which keeps its digits
+    /// where the cosine is nearly 1.
     fn facets(&self, normal: Vec3) -> f32 {
         let slope = Vec2::new(normal.x, normal.y).length_squared() / (self.alpha * self.alpha);
         let all = slope + normal.z * normal.z;

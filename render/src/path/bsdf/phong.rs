@@ -1,5 +1,6 @@
-//! The energy-normalised Phong lobe, `(n + 2) / (2 pi) cos^n` of the angle to the mirrored direction (Lafortune and
-//! Willems 1994): all light at normal incidence, less towards grazing, where part of the lobe is below the surface.
+//! The energy-normalised Phong lobe, `(n + 2) / (2 pi) cos^n` of the angle to the mirrored direction
+//! (Lafortune and Willems 1994): all light at normal incidence, less towards grazing, where part of the lobe
+//! is below the surface.
 //!
 //! Directions are in the frame of the shading normal, which is z, and point away from the surface.
 
@@ -17,15 +18,16 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// The lobe as wide as a GGX lobe of a perceptual roughness: `n = 2 / alpha^2 - 2`, alpha the squared roughness,
-    /// at least 0.02 (Walter et al. 2007, the exponent of a Blinn-Phong distribution of the same width).
+    /// The lobe as wide as a GGX lobe of a perceptual roughness: `n = 2 / alpha^2 - 2`, alpha the squared
+    /// roughness, at least 0.02 (Walter et al. 2007, the exponent of a Blinn-Phong distribution of the same
+    /// width).
     pub fn new(roughness: f32) -> Self {
         let alpha = (roughness * roughness).max(NARROWEST_ALPHA);
         Self { exponent: (2.0 / (alpha * alpha) - 2.0).max(0.0) }
     }
 
-    /// What comes from one direction per steradian of another, without the cosine: by the cosine of the angle between
-    /// one and the other mirrored.
+    /// What comes from one direction per steradian of another, without the cosine: by the cosine of the angle
+    /// between one and the other mirrored.
     pub fn reflectance(&self, cosine: f32) -> f32 {
         (self.exponent + 2.0) / TAU * self.power(cosine)
     }

@@ -40,8 +40,8 @@ fn materials() -> Vec<(String, Material)> {
 
 const ANGLES: [f32; 4] = [0.0, 35.0, 65.0, 84.0];
 
-/// Share of light from everywhere that goes to a viewer, by the rule of midpoints around the x axis, near which no lobe
-/// is.
+/// Share of light from everywhere that goes to a viewer, by the rule of midpoints around the x axis, near
+/// which no lobe is.
 fn albedo(bsdf: &Bsdf, to_viewer: Vec3) -> Vec3 {
     let (rows, columns) = (300, 300);
     let mut sum = Vec3::ZERO;

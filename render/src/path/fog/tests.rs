@@ -112,8 +112,8 @@ fn shaft(lean: f32, anisotropy: f32, density: Density) -> TracedScene {
     traced(vec![roof([-9.0, 0.5]), roof([1.7, 9.0])], vec![sun], medium(anisotropy, density))
 }
 
-/// What is seen of it from the middle of the box along +x. The way of all light ends with 1 m below the top of the
-/// box.
+/// What is seen of it from the middle of the box along +x. The way of all light ends with 1 m below the top
+/// of the box.
 fn expected_shaft(lean: f32, anisotropy: f32) -> Vec3 {
     let lean = f64::from(lean);
     let lit = [0.5, 1.7].map(|x| x + 1.5 * lean.tan());
@@ -222,8 +222,8 @@ fn rectangle() -> Mesh {
     level(0.0, [1.0, 2.0], [-0.5, 0.5])
 }
 
-/// Radiance of fog that is lit by the rectangle, if that sends out one unit to all sides. Half of each way from the
-/// rectangle is in the fog.
+/// Radiance of fog that is lit by the rectangle, if that sends out one unit to all sides. Half of each way
+/// from the rectangle is in the fog.
 fn lit_from_below(anisotropy: f32, absorption: f64, scattering: f64) -> f64 {
     let extinction = absorption + scattering;
     let at = |x: f64, on_x: f64, on_z: f64| {

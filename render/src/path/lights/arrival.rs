@@ -1,11 +1,12 @@
-//! What a light without an extent sends to a point: intensity over squared distance, cones, ranges, and the pictures
-//! that lights project.
+//! What a light without an extent sends to a point: intensity over squared distance, cones, ranges, and the
+//! pictures that lights project.
 //!
-//! A picture's up is the world's y, or z where the light travels along y to 0.999; its right is to the right for
-//! somebody who stands at the light and looks along its direction, as through a camera. A spot's slide is projected in
-//! perspective, and the outer cone is the circle in its square; cones wider than 89 degrees to a side take what fills
-//! that one. A directional light's pattern is projected in parallel, its top left corner at the world's origin. Slides
-//! end at their edges and patterns begin again, whatever their textures do elsewhere.
+//! A picture's up is the world's y, or z where the light travels along y to 0.999; its right is to the right
+//! for somebody who stands at the light and looks along its direction, as through a camera. A spot's slide is
+//! projected in perspective, and the outer cone is the circle in its square; cones wider than 89 degrees to a
+//! side take what fills that one. A directional light's pattern is projected in parallel, its top left corner
+//! at the world's origin. Slides end at their edges and patterns begin again, whatever their textures do
+//! elsewhere.
 
 use crate::scene::{Light, Scene, TextureId, Wrap};
 use glam::{Vec2, Vec3};
@@ -71,8 +72,9 @@ impl Arrival {
     }
 }
 
-/// How much of a spot's intensity goes in a direction, by its cosine to the axis. KHR_lights_punctual: linear in the
-/// cosine between the cones, of which the outer one is the wider ([`Scene::check_lights`]), then squared.
+/// How much of a spot's intensity goes in a direction, by its cosine to the axis. KHR_lights_punctual: linear
+/// in the cosine between the cones, of which the outer one is the wider ([`Scene::check_lights`]), then
+/// squared.
 fn cone(cosine: f32, cos_inner: f32, cos_outer: f32) -> f32 {
     let inside = ((cosine - cos_outer) / (cos_inner - cos_outer)).clamp(0.0, 1.0);
     inside * inside
@@ -132,7 +134,8 @@ mod tests {
     fn a_slide_is_seen_upright_from_the_light() {
         // The square of half a metre around the axis one metre away is half the slide.
         let light = projector();
-        // Texel middles of the square [-1, 1]^2 at distance 1 are at +-0.5; cos there is sqrt(2/3) > cos_inner.
+        // Texel middles of the square [-1, 1]^2 at distance 1 are at +-0.5; cos there is sqrt(2/3) >
+        // cos_inner.
         let at = |x: f32, y: f32| irradiance(&light, Vec3::new(x, y, -1.0)) * 1.5;
         let colours = [at(-0.5, 0.5), at(0.5, 0.5), at(-0.5, -0.5), at(0.5, -0.5)];
         for (colour, expected) in colours.into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE]) {

@@ -5,7 +5,8 @@ use crate::bvh::Hit;
 use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
-/// How much is spread evenly over all lights that count, in parts of what is shared out by importance: a fifth of all.
+/// How much is spread evenly over all lights that count, in parts of what is shared out by importance: a
+/// fifth of all.
 const EVEN: f32 = 0.25;
 
 /// The lights of a scene from one point.
@@ -66,8 +67,8 @@ impl<'a> LightsAt<'a> {
         self.sample_environment(square)
     }
 
-    /// Density per steradian with which [`LightsAt::sample`] takes the direction in which a ray from the point met an
-    /// emissive triangle; 0 where that does not emit.
+    /// Density per steradian with which [`LightsAt::sample`] takes the direction in which a ray from the
+    /// point met an emissive triangle; 0 where that does not emit.
     pub fn density_of_hit(&self, direction: Vec3, hit: &Hit) -> f32 {
         let Some(emitters) = &self.lights.emitters else { return 0.0 };
         emitters.density(self.lights.scene.scene(), direction, hit) * self.share(self.importance.emitters)
@@ -127,8 +128,8 @@ impl<'a> LightsAt<'a> {
     }
 }
 
-/// What would arrive from each light without an extent that shines on a point, in order, and its importance: irradiance on
-/// a surface that faces it.
+/// What would arrive from each light without an extent that shines on a point, in order, and its importance:
+/// irradiance on a surface that faces it.
 fn arrivals(
     lights: &Lights<'_>,
     point: Vec3,

@@ -1,12 +1,14 @@
-//! Emissive triangles: chosen by their power, then sampled uniformly by area. They shine to both sides, as surfaces do.
+//! Emissive triangles: chosen by their power, then sampled uniformly by area. They shine to both sides, as
+//! surfaces do.
 
 use crate::bvh::{Hit, TracedScene, corner_weights};
 use crate::intersection::{Start, colour, uvs};
 use crate::scene::{Cumulative, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
-/// Emission of a triangle below which its share is not reduced, relative to the factor of its texture and opacity: a few
-/// points of the triangle cannot prove that it is dark, and what is never chosen would be missing.
+/// Emission of a triangle below which its share is not reduced, relative to the factor of its texture and
+/// opacity: a few points of the triangle cannot prove that it is dark, and what is never chosen would be
+/// missing.
 const LEAST_SHARE: f32 = 0.01;
 
 /// All triangles that shine.
@@ -89,7 +91,8 @@ impl Emitters {
         usable.then_some(EmitterSample { position, radiance, density })
     }
 
-    /// Density per steradian with which [`Emitters::sample`] takes the direction of a ray from some point to a hit.
+    /// Density per steradian with which [`Emitters::sample`] takes the direction of a ray from some point to
+    /// a hit.
     pub(super) fn density(&self, scene: &Scene, direction: Vec3, hit: &Hit) -> f32 {
         let Some(first) = self.first[hit.mesh as usize] else { return 0.0 };
         let corners = scene.meshes[hit.mesh as usize].corners(hit.triangle as usize);
@@ -100,7 +103,8 @@ impl Emitters {
     }
 }
 
-/// Area density 1 / `area` seen from a point `to_light` away: times squared distance over the cosine at the light.
+/// Area density 1 / `area` seen from a point `to_light` away: times squared distance over the cosine at the
+/// light.
 fn per_steradian(area: f32, normal: Vec3, to_light: Vec3) -> f32 {
     let squared = to_light.length_squared();
     squared * squared.sqrt() / (area * normal.dot(to_light).abs())

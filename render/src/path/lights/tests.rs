@@ -198,7 +198,8 @@ fn a_blocked_light_that_is_much_stronger_leaves_the_noise_bounded() {
     let count = 20_000;
     let [mean, error] = irradiance(&traced(sunny_room()), Vec3::ZERO, Vec3::X, count);
     assert!((mean - 5.0).abs() < 3.0 * error, "{mean} +- {error} is not 5");
-    // Of two lights each is taken at least a tenth of the time: the second moment is at most ten squared means.
+    // Of two lights each is taken at least a tenth of the time: the second moment is at most ten squared
+    // means.
     let variance = count as f32 * error * error / (mean * mean);
     assert!(variance < 9.5, "a sample's variance is {variance} squared means");
 }
@@ -281,8 +282,8 @@ fn a_textured_lamp_is_weighed_by_its_mean_and_shines_by_its_texels() {
 
 #[test]
 fn a_lamp_with_holes_is_weighed_by_what_is_left() {
-    // The left half shines: three quarters of the first triangle, whose centroid is there, a quarter of the second,
-    // whose centroid is a hole.
+    // The left half shines: three quarters of the first triangle, whose centroid is there, a quarter of the
+    // second, whose centroid is a hole.
     let texture = Texture::new(2, 1, vec![[255; 4], [0; 4]], Encoding::Linear, [Wrap::Clamp; 2]);
     let slot = TextureSlot { texture: TextureId(0), uv_set: 0, transform: Affine2::IDENTITY };
     let uvs = [vec![Vec2::ZERO, Vec2::Y, Vec2::ONE, Vec2::X], vec![]];

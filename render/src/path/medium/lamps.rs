@@ -1,8 +1,9 @@
-//! Distances on a ray in proportion to what lamps would send there through empty space. A lamp in fog lights the ray by the
-//! inverse square of the distance between them: distances drawn by transmittance alone meet the brightest part so
-//! rarely that the relative variance is the length of the ray over 2 pi times the lamp's distance from it. Drawn so
-//! that the angle under which the lamp sees them is uniform, they bring the same light each (Kulla and Fajardo 2012,
-//! "Importance sampling techniques for path tracing in participating media").
+//! Distances on a ray in proportion to what lamps would send there through empty space. A lamp in fog lights
+//! the ray by the inverse square of the distance between them: distances drawn by transmittance alone meet
+//! the brightest part so rarely that the relative variance is the length of the ray over 2 pi times the
+//! lamp's distance from it. Drawn so that the angle under which the lamp sees them is uniform, they bring the
+//! same light each (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating
+//! media").
 //!
 //! Lamps are points and spots; cones, ranges and shadows are left to the light that is found at the distance.
 

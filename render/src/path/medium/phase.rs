@@ -16,10 +16,10 @@ impl HenyeyGreenstein {
         Self { anisotropy }
     }
 
-    /// Share of light that is scattered from one direction to another, per steradian; also the density with which
-    /// [`HenyeyGreenstein::sample`] takes one of them. `cosine` is that between the directions of travel before and
-    /// after, or, the same, between those of a path followed from the eye: on from the last vertex, and on to the
-    /// light.
+    /// Share of light that is scattered from one direction to another, per steradian; also the density with
+    /// which [`HenyeyGreenstein::sample`] takes one of them. `cosine` is that between the directions of
+    /// travel before and after, or, the same, between those of a path followed from the eye: on from the last
+    /// vertex, and on to the light.
     pub fn evaluate(&self, cosine: f32) -> f32 {
         let g = self.anisotropy;
         // 1 + g^2 - 2 g cosine, without cancellation at the peak.

@@ -45,8 +45,8 @@ fn waves() -> Medium {
 /// All along the middle of the box, from before to behind it.
 const ALONG: Segment = Segment { origin: Vec3::new(-1.0, 0.5, 0.5), direction: Vec3::X, length: 6.0 };
 
-/// Density times length along the middle of a grid's box, up to a distance from where it begins; by midpoints that meet
-/// the corners of the grids' densities.
+/// Density times length along the middle of a grid's box, up to a distance from where it begins; by midpoints
+/// that meet the corners of the grids' densities.
 fn column_of(grid: &DensityGrid, length: f32) -> f32 {
     let steps = 9_600;
     let step = 3.0 / steps as f32;
@@ -350,8 +350,8 @@ fn nothing_is_nothing() {
     }
 }
 
-/// Mean squared distance from its start of light that is absorbed where it collides, after a random walk in an endless
-/// medium with a mean free path of half a metre.
+/// Mean squared distance from its start of light that is absorbed where it collides, after a random walk in
+/// an endless medium with a mean free path of half a metre.
 fn squared_distance(albedo: f32, anisotropy: f32) -> Measured {
     let (extinction, absorbed) = (Vec3::splat(2.0), 1.0 - albedo);
     let medium = Medium::new(extinction * absorbed, extinction * albedo, anisotropy, Density::Everywhere);

@@ -1,6 +1,6 @@
-//! Tracking through density grids. The medium is filled up to its largest extinction with fictitious matter that
-//! changes nothing: collisions with both together are free flights through a uniform medium, and what they were with
-//! is decided when they happen (Woodcock et al. 1965).
+//! Tracking through density grids. The medium is filled up to its largest extinction with fictitious matter
+//! that changes nothing: collisions with both together are free flights through a uniform medium, and what
+//! they were with is decided when they happen (Woodcock et al. 1965).
 
 use super::{Flight, Segment, sum};
 use crate::sampler::{Stream, hash};
@@ -72,7 +72,8 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Ratio tracking: what is left after each collision that may have been with fictitious matter (Novak et al. 2014).
+/// Ratio tracking: what is left after each collision that may have been with fictitious matter (Novak et al.
+/// 2014).
 pub(super) fn transmittance(medium: &Medium, mut walk: Walk<'_>) -> Vec3 {
     let mut left = Vec3::ONE;
     while let Some(collision) = walk.next(medium) {
@@ -84,8 +85,8 @@ pub(super) fn transmittance(medium: &Medium, mut walk: Walk<'_>) -> Vec3 {
     left
 }
 
-/// Spectral tracking (Kutz et al. 2017): at each collision light is scattered or not in proportion to what it would be
-/// in either case, summed over the colours, so that the sum of the weighted throughput never grows.
+/// Spectral tracking (Kutz et al. 2017): at each collision light is scattered or not in proportion to what it
+/// would be in either case, summed over the colours, so that the sum of the weighted throughput never grows.
 pub(super) fn flight(medium: &Medium, mut walk: Walk<'_>, throughput: Vec3) -> Flight {
     let mut weight = Vec3::ONE;
     while let Some(Collision { distance, scatters, passes }) = walk.next(medium) {
@@ -103,8 +104,8 @@ pub(super) fn flight(medium: &Medium, mut walk: Walk<'_>, throughput: Vec3) -> F
     Flight::passed(weight)
 }
 
-/// One of all collisions of ratio tracking, chosen in proportion to the light that it scatters by a reservoir of one
-/// (Chao 1982); weighed so that it stands for all of them.
+/// One of all collisions of ratio tracking, chosen in proportion to the light that it scatters by a reservoir
+/// of one (Chao 1982); weighed so that it stands for all of them.
 pub(super) fn scattering(medium: &Medium, mut walk: Walk<'_>, throughput: Vec3) -> Flight {
     let mut left = Vec3::ONE;
     let mut total = 0.0;
@@ -124,8 +125,8 @@ pub(super) fn scattering(medium: &Medium, mut walk: Walk<'_>, throughput: Vec3) 
     Flight { weight: chosen.weight * total, ..chosen }
 }
 
-/// Uniform numbers of one walk, which may take many: hashes of a number of the stream, so that what comes after on a
-/// path keeps its place in the low-discrepancy sequence however many collisions there were.
+/// Uniform numbers of one walk, which may take many: hashes of a number of the stream, so that what comes
+/// after on a path keeps its place in the low-discrepancy sequence however many collisions there were.
 struct Numbers {
     key: u32,
     taken: u32,

@@ -14,9 +14,10 @@ fn depth(extinction: Vec3, distance: f32) -> Vec3 {
     extinction.map(|extinction| if extinction > 0.0 { extinction * distance } else { 0.0 })
 }
 
-/// A flight as long as one colour chooses it, for all colours. The colour is chosen in proportion to the throughput, and
-/// the weight is that of all colours' densities together (the balance heuristic of one sample, Veach 1997, 9.2.4;
-/// Chiang, Kutz and Burley 2016, "Practical and controllable subsurface scattering for production path tracing").
+/// A flight as long as one colour chooses it, for all colours. The colour is chosen in proportion to the
+/// throughput, and the weight is that of all colours' densities together (the balance heuristic of one
+/// sample, Veach 1997, 9.2.4; Chiang, Kutz and Burley 2016, "Practical and controllable subsurface scattering
+/// for production path tracing").
 pub(in crate::path) struct FreeFlight {
     /// How far light flies if nothing is in the way, metres.
     pub(in crate::path) distance: f32,
@@ -31,14 +32,15 @@ impl FreeFlight {
         Self { distance, extinction, throughput }
     }
 
-    /// Weight of light that met something else at a distance: transmittance over the probability of flying so far.
+    /// Weight of light that met something else at a distance: transmittance over the probability of flying so
+    /// far.
     pub(in crate::path) fn passed(&self, distance: f32) -> Vec3 {
         let passing = attenuation(self.extinction, distance);
         passing * sum(self.throughput) / sum(self.throughput * passing)
     }
 
-    /// Weight of light that collided at its end: transmittance over the density of the distance. Times the scattering
-    /// coefficient it is that of light that goes on.
+    /// Weight of light that collided at its end: transmittance over the density of the distance. Times the
+    /// scattering coefficient it is that of light that goes on.
     pub(in crate::path) fn collided(&self) -> Vec3 {
         let passing = attenuation(self.extinction, self.distance);
         passing * sum(self.throughput) / sum(self.throughput * self.extinction * passing)
@@ -55,8 +57,8 @@ pub(super) fn flight(medium: &Medium, [near, far]: [f32; 2], throughput: Vec3, a
     }
 }
 
-/// Distances at which light is scattered on a part of a segment, with the density of free flights that end there; colours
-/// count as much as of them is scattered.
+/// Distances at which light is scattered on a part of a segment, with the density of free flights that end
+/// there; colours count as much as of them is scattered.
 pub(super) struct Scattering {
     extinction: Vec3,
     span: [f32; 2],

@@ -77,8 +77,8 @@ impl<'a> Afterglow<'a> {
         paint.after_steps(self.glow.before(), history.into_iter().map(steps))
     }
 
-    /// Irradiance of the lamps of each schedule when they shine, on both sides of a surface together, W/m², RGB, in the
-    /// scene as it is now.
+    /// Irradiance of the lamps of each schedule when they shine, on both sides of a surface together, W/m²,
+    /// RGB, in the scene as it is now.
     pub fn irradiance(&self, place: &Place) -> Vec<Vec3> {
         self.irradiance_in(self.scene, place, None)
     }
@@ -132,8 +132,8 @@ impl<'a> Afterglow<'a> {
         Some(self.after(&self.glow.surfaces[paint].1, history))
     }
 
-    /// The excited share of each state at a point of the medium, whose paint it has: what excites it is all direct light that goes
-    /// through there.
+    /// The excited share of each state at a point of the medium, whose paint it has: what excites it is all
+    /// direct light that goes through there.
     pub fn shares_in_medium(&self, point: Vec3, paint: &Paint) -> [f32; MOST_STATES] {
         let mut history = Vec::new();
         for (pose, pieces) in &self.past {

@@ -1,5 +1,6 @@
-//! What a medium before a surface gives back of light that it kept, and lets through of the surface's (thesis, Figure 8.17). Its
-//! radiance where nothing is seen through it is that of a surface of its paint; a thin layer has as much of that as it hides.
+//! What a medium before a surface gives back of light that it kept, and lets through of the surface's
+//! (thesis, Figure 8.17). Its radiance where nothing is seen through it is that of a surface of its paint; a
+//! thin layer has as much of that as it hides.
 
 use super::Afterglow;
 use crate::path::medium::Segment;
@@ -46,8 +47,8 @@ impl Afterglow<'_> {
         self.glow.medium.is_some()
     }
 
-    /// One sample of the radiance that the medium sends against a segment of a ray, where it keeps light. `passes` says what of
-    /// it goes through the medium to the segment's beginning.
+    /// One sample of the radiance that the medium sends against a segment of a ray, where it keeps light.
+    /// `passes` says what of it goes through the medium to the segment's beginning.
     pub fn of_medium(&self, segment: &Segment, number: f32, passes: impl FnOnce(&Segment) -> Vec3) -> Vec3 {
         let (Some(paint), Some(medium)) = (&self.glow.medium, self.scene.scene().medium.as_deref()) else {
             return Vec3::ZERO;
@@ -58,7 +59,8 @@ impl Afterglow<'_> {
         }
         let distance = from + number * (to - from);
         let point = segment.start_at(distance, self.scene);
-        // What scatters light sends none of its own: deep inside, paths would add it up to more than the paint has.
+        // What scatters light sends none of its own: deep inside, paths would add it up to more than the
+        // paint has.
         let absorption = medium.absorption * medium.density.inside(point);
         if absorption == Vec3::ZERO {
             return Vec3::ZERO;
@@ -78,7 +80,8 @@ mod tests {
     use crate::scene::{Bounds, Camera, Density, Gloss, Material, Medium, Scene};
     use glam::Vec3;
 
-    /// A wall, black and without paint, behind a metre of fog that is full of light and scatters half of what it takes, or none.
+    /// A wall, black and without paint, behind a metre of fog that is full of light and scatters half of what
+    /// it takes, or none.
     fn wall_in_fog(scatters: bool) -> TracedScene {
         let mut full = glow(&[0.3], &[], 0.0);
         full.start = Start::Share(1.0);
@@ -112,7 +115,8 @@ mod tests {
         let found = seen(&wall_in_fog(false));
         found.proves("phosphor/medium", expected);
         found.refutes("phosphor/medium", 1.02 * expected);
-        // Half of it absorbs, and what is scattered adds light of the fog's other parts, never more than there is inside.
+        // Half of it absorbs, and what is scattered adds light of the fog's other parts, never more than
+        // there is inside.
         let scattered = seen(&wall_in_fog(true)).mean;
         assert!(scattered.cmpgt(0.55 * expected).all() && scattered.cmplt(emission).all(), "{scattered}");
     }

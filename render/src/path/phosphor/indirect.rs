@@ -1,7 +1,7 @@
-//! Truth for the effect `phosphor-gi`: `1 / pi` times the irradiance, at the point that is seen, of light that surfaces within a
-//! radius kept and give back (thesis, Figure 8.15: a room whose walls glow). Times the receiver's diffuse colour it is
-//! radiance. Light that is reflected on its way is not counted; a medium dims the lamps' light and nothing else, and what it keeps
-//! itself lights nothing here.
+//! Truth for the effect `phosphor-gi`: `1 / pi` times the irradiance, at the point that is seen, of light
+//! that surfaces within a radius kept and give back (thesis, Figure 8.15: a room whose walls glow). Times the
+//! receiver's diffuse colour it is radiance. Light that is reflected on its way is not counted; a medium dims
+//! the lamps' light and nothing else, and what it keeps itself lights nothing here.
 
 use super::Afterglow;
 use crate::bvh::TracedScene;

@@ -1,5 +1,5 @@
-//! Where proofs are written down: one line of JSON for each comparison, in the file that the environment variable
-//! `DEEPSHADE_PROOFS` names. `cargo xtask prove` reads it.
+//! Where proofs are written down: one line of JSON for each comparison, in the file that the environment
+//! variable `DEEPSHADE_PROOFS` names. `cargo xtask prove` reads it.
 
 use std::fmt::Write as _;
 use std::fs::OpenOptions;

@@ -10,9 +10,9 @@ const GROUPS: u32 = 8;
 /// Of random numbers.
 const SLOWEST: f64 = -0.5;
 
-/// Asserts that errors fall at least as fast as one over the root of the number of samples, within three standard errors
-/// of the fitted slope, and that this is not so against a truth that is 2 % brighter. `mean` is that of so many samples
-/// of an independent sequence.
+/// Asserts that errors fall at least as fast as one over the root of the number of samples, within three
+/// standard errors of the fitted slope, and that this is not so against a truth that is 2 % brighter. `mean`
+/// is that of so many samples of an independent sequence.
 pub fn prove_slope(name: &str, truth: f64, mean: impl Fn(u32, u32) -> f32) {
     let means: Vec<[f64; SAMPLES.len()]> = (0..GROUPS * REPLICATES)
         .map(|replicate| SAMPLES.map(|samples| f64::from(mean(replicate, samples))))

@@ -27,8 +27,8 @@ fn the_profile_integrates_to_what_a_disc_holds() {
 
 const SIZE: usize = 64;
 
-/// Two half planes at z = 0 that meet at x = 0, black to the left and `albedo` to the right, in even light, 0.1 m of them
-/// in the image: a pixel is 0.1 / 64 m.
+/// Two half planes at z = 0 that meet at x = 0, black to the left and `albedo` to the right, in even light,
+/// 0.1 m of them in the image: a pixel is 0.1 / 64 m.
 fn step(mean_free_path: Vec3) -> TracedScene {
     let half = |side: f32, material: u32| {
         let corners = [(0., -9.), (side, -9.), (side, 9.), (0., 9.)];
@@ -59,9 +59,11 @@ fn from_above() -> Camera {
     Camera { vertical_fov: 2.0 * (0.05f32 / 10.0).atan(), ..camera }
 }
 
-/// The share of the profile beyond a line at distance `a`: over that line, `exp(-r / d) / r` gives `2 K0(a / d)`.
+/// The share of the profile beyond a line at distance `a`: over that line, `exp(-r / d) / r` gives
+/// `2 K0(a / d)`.
 fn beyond(a: f64, d: f64) -> f64 {
-    // K0(x) = integral over t of exp(-x cosh t), integrated over the distance first: exp(-a cosh t / d) d / cosh t.
+    // K0(x) = integral over t of exp(-x cosh t), integrated over the distance first: exp(-a cosh t / d) d /
+    // cosh t.
     let steps = 4_000;
     let step = 12.0 / f64::from(steps);
     let share = |scale: f64| {

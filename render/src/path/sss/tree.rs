@@ -1,5 +1,5 @@
-//! A hierarchy over what the pixels of an image show, to gather from near ones one by one and from far ones together
-//! (Jensen and Buhler 2002, "A rapid hierarchical rendering technique for translucent materials").
+//! A hierarchy over what the pixels of an image show, to gather from near ones one by one and from far ones
+//! together (Jensen and Buhler 2002, "A rapid hierarchical rendering technique for translucent materials").
 
 use super::{Patch, SUPPORT, TOLERANCE, profile, within};
 use crate::scene::Bounds;

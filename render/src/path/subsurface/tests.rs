@@ -69,16 +69,17 @@ fn the_albedo_of_collisions_has_its_ends() {
     assert!(((1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s) - 0.6).abs() < 1e-5);
 }
 
-/// A wide slab of some thickness, closed by its height in the middle only: its edges are too far away to matter.
+/// A wide slab of some thickness, closed by its height in the middle only: its edges are too far away to
+/// matter.
 fn slab(thickness: f32) -> Vec<Mesh> {
     vec![square(0.0, 50.0, 1.0), square(-thickness, 50.0, -1.0)]
 }
 
 #[test]
 fn a_slab_lets_through_what_is_known() {
-    // Conservative isotropic scattering between surfaces in even light, exact: Heaslet and Warming 1965, "Radiative
-    // transport and wall temperature slip in an absorbing planar medium", table of the heat flux for optical
-    // thickness 0.5, 1 and 2. Each colour has another.
+    // Conservative isotropic scattering between surfaces in even light, exact: Heaslet and Warming 1965,
+    // "Radiative transport and wall temperature slip in an absorbing planar medium", table of the heat flux
+    // for optical thickness 0.5, 1 and 2. Each colour has another.
     let known = Vec3::new(0.7040, 0.5532, 0.3900);
     let material = || wax(Vec3::ONE, 0.01 / Vec3::new(0.5, 1.0, 2.0));
     let [through, error] = seen_from_above(slab(0.01), material(), &[Vec3::Z], 8_192);
@@ -129,7 +130,8 @@ fn meshes_turned_inside_out_look_the_same() {
 
 #[test]
 fn light_is_lost_through_holes() {
-    // The half space without a floor loses the paths that leave the small square's shadow; nothing is not a number.
+    // The half space without a floor loses the paths that leave the small square's shadow; nothing is not a
+    // number.
     let material = || wax(Vec3::splat(0.95), Vec3::splat(0.1));
     let [whole, _] = seen_from_above(vec![square(0.0, 50.0, 1.0)], material(), &[Vec3::NEG_Z], 4_096);
     let [open, error] = seen_from_above(vec![square(0.0, 0.3, 1.0)], material(), &[Vec3::NEG_Z], 4_096);

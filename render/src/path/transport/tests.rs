@@ -245,7 +245,8 @@ fn lights_and_paths_find_the_same_light() {
 
 #[test]
 fn blended_surfaces_let_their_share_through_whichever_way_light_is_found() {
-    // A lamp of opacity 0.4 under a white sky, seen from a floor of albedo 1/2 that a pane of opacity 0.25 covers.
+    // A lamp of opacity 0.4 under a white sky, seen from a floor of albedo 1/2 that a pane of opacity 0.25
+    // covers.
     let blend = |mut material: Material, alpha: f32| {
         material.base_colour.w = alpha;
         Material { alpha: AlphaMode::Blend, ..material }
@@ -258,7 +259,8 @@ fn blended_surfaces_let_their_share_through_whichever_way_light_is_found() {
         environment: Some(Environment::uniform(Vec3::ONE).into()),
         ..Scene::default()
     });
-    // Form factor of two coaxial parallel squares of edge 2 at distance 1, at the middle of one: Lambert's polygon.
+    // Form factor of two coaxial parallel squares of edge 2 at distance 1, at the middle of one: Lambert's
+    // polygon.
     let (a, b) = (0.5f32.sqrt(), 1.0f32);
     let form_factor = 4.0 / PI * a * (b * a).atan() * 1.0;
     let sky = 0.75 * (1.0 - 0.4 * form_factor);
@@ -270,8 +272,8 @@ fn blended_surfaces_let_their_share_through_whichever_way_light_is_found() {
         let found = measured(40_000, down);
         assert!(found.is(Vec3::splat(expected)), "{found:?} by {finding:?} is not {expected}");
     }
-    // Seen from above, beside the diagonal that two triangles share: the lamp, the pane and the floor, each through
-    // those before.
+    // Seen from above, beside the diagonal that two triangles share: the lamp, the pane and the floor, each
+    // through those before.
     let transport = Transport::new(&scene);
     let from = Vec3::new(0.003, 2.0, 0.001);
     let found = measured(40_000, |stream| transport.radiance(from, Vec3::NEG_Y, stream).x);

@@ -152,8 +152,8 @@ fn looking(direction: Vec3) -> Mat3 {
     Camera::look_at(Vec3::ZERO, direction).rotation
 }
 
-/// The sphere around a cascade's slice of what a camera sees, as far as the scene goes; the last around all of the
-/// scene, for what is lit where the camera does not look.
+/// The sphere around a cascade's slice of what a camera sees, as far as the scene goes; the last around all
+/// of the scene, for what is lit where the camera does not look.
 fn slice(cascade: usize, Seen { camera, aspect, bounds }: Seen) -> (Vec3, f32) {
     if cascade + 1 == CASCADES {
         return (bounds.centre(), rounded_up(0.5 * bounds.diagonal()));
@@ -176,8 +176,8 @@ fn slice(cascade: usize, Seen { camera, aspect, bounds }: Seen) -> (Vec3, f32) {
     (camera.position - camera.rotation.z_axis * middle, radius)
 }
 
-/// A little more, one of eight steps to the next power of two: a map that is as wide from frame to frame has the same
-/// texels.
+/// A little more, one of eight steps to the next power of two: a map that is as wide from frame to frame has
+/// the same texels.
 fn rounded_up(radius: f32) -> f32 {
     ((radius.log2() * 8.0).ceil() / 8.0).exp2()
 }

@@ -161,7 +161,8 @@ fn drawn(edge: usize) -> (Gpu, Frame) {
     (gpu, frame)
 }
 
-/// Draws a frame and waits for it; `midway` is done when all of it is encoded, and `submitted` when the device has it.
+/// Draws a frame and waits for it; `midway` is done when all of it is encoded, and `submitted` when the
+/// device has it.
 fn shown(
     gpu: &Gpu,
     frame: &Frame,

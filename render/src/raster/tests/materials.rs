@@ -1,5 +1,5 @@
-//! Materials of every kind, rasterised against traced: normal maps of meshes without tangents from both sides, transformed
-//! coordinates of both sets, vertex colours, holes.
+//! Materials of every kind, rasterised against traced: normal maps of meshes without tangents from both
+//! sides, transformed coordinates of both sets, vertex colours, holes.
 
 use super::*;
 use crate::scene::{AlphaMode, Encoding, Filter, Mesh, Texture, TextureId, TextureSlot, Wrap};
@@ -13,7 +13,8 @@ fn texels(seed: u32) -> Vec<[u8; 4]> {
     (0..12).map(|i| std::array::from_fn(|c| byte(i, c as u32))).collect()
 }
 
-/// A tilted square, one set of coordinates a mirror image of the other, its colours and their alpha different at all corners.
+/// A tilted square, one set of coordinates a mirror image of the other, its colours and their alpha different
+/// at all corners.
 fn square(smooth: bool) -> Mesh {
     let tilt = |x: f32, y: f32| Vec3::new(x, y, 0.3 * x - 0.2 * y);
     let normal = Vec3::new(-0.3, 0.2, 1.0).normalize();

@@ -1,4 +1,5 @@
-//! Shadows by maps: how well they agree with rays, that this notices when they are wrong, and that nothing leaks.
+//! Shadows by maps: how well they agree with rays, that this notices when they are wrong, and that nothing
+//! leaks.
 
 use super::*;
 use crate::scene::Mesh;
@@ -94,7 +95,8 @@ fn no_light_leaves_a_closed_box() {
 fn a_point_that_is_lifted_across_an_edge_of_the_cube_stays_in_the_dark() {
     let gpu = Gpu::new().expect("an adapter");
     let lamp = Light::Point { position: Vec3::ZERO, intensity: Vec3::ONE, range: f32::INFINITY };
-    // Where two maps meet, on a plane that light grazes: across their edge points are lifted by more than maps overlap.
+    // Where two maps meet, on a plane that light grazes: across their edge points are lifted by more than
+    // maps overlap.
     let edge = Vec3::new(2.0, 0.0, -2.0);
     let (to_lamp, across) = (-edge.normalize(), Vec3::new(1.0, 0.0, 1.0).normalize());
     for side in [-1.0, 1.0] {

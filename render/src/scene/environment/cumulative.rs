@@ -1,14 +1,16 @@
-//! Choice of one of many by their weights, by inversion, which keeps the stratification of the numbers put in.
+//! Choice of one of many by their weights, by inversion, which keeps the stratification of the numbers put
+//! in.
 //!
-//! Those numbers are multiples of 2^-23 or finer ones in [0, 1). Borders between shares are multiples of it too, so that
-//! a share is taken with exactly the probability that is told, and each positive weight gets one at least, so that
-//! nothing that shines is never taken; beyond four million weights some of the smallest may go without, and are told to.
+//! Those numbers are multiples of 2^-23 or finer ones in [0, 1). Borders between shares are multiples of it
+//! too, so that a share is taken with exactly the probability that is told, and each positive weight gets one
+//! at least, so that nothing that shines is never taken; beyond four million weights some of the smallest may
+//! go without, and are told to.
 
 /// How many numbers there are.
 const NUMBERS: f64 = (1u32 << 23) as f64;
 
-/// The least share of a positive weight, before all are scaled to add up to 1: two numbers, of which scaling and rounding
-/// leave one.
+/// The least share of a positive weight, before all are scaled to add up to 1: two numbers, of which scaling
+/// and rounding leave one.
 const LEAST: f64 = 2.0 / NUMBERS;
 
 /// Shares of a whole, summed up.
@@ -19,7 +21,8 @@ pub(crate) struct Cumulative {
 }
 
 impl Cumulative {
-    /// Shares in proportion to weights, none of them negative; `None` where all of them are 0, or their sum is no number.
+    /// Shares in proportion to weights, none of them negative; `None` where all of them are 0, or their sum
+    /// is no number.
     pub(crate) fn new(weights: impl ExactSizeIterator<Item = f64> + Clone) -> Option<Self> {
         let total: f64 = weights.clone().sum();
         if !(total > 0.0 && total.is_finite()) {

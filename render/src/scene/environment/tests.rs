@@ -39,7 +39,8 @@ fn integral(of: impl Fn(Vec3) -> Vec3) -> Vec3 {
 
 #[test]
 fn directions_are_where_the_documentation_says() {
-    // Four columns whose middles are at 1/8, 3/8, 5/8 and 7/8 of the width; two rows at 45 degrees above and below.
+    // Four columns whose middles are at 1/8, 3/8, 5/8 and 7/8 of the width; two rows at 45 degrees above and
+    // below.
     let number = |x: usize, y: usize| Vec3::splat((1 + x + 4 * y) as f32);
     let environment = of_texels(4, 2, number);
     let (a, b) = (0.5f32, 0.5f32.sqrt());
@@ -116,7 +117,8 @@ fn sampled_radiance_over_density_has_the_integral_of_the_radiance() {
     assert!((mean - expected).abs().cmple(3.0 * error).all(), "{mean} +- {error}, not {expected}");
     // 2 % brighter light is noticed.
     assert!((mean * 1.02 - expected).abs().cmpgt(3.0 * error).any(), "{error} is too large to notice");
-    // The density has been measured over directions; the mean is one of texels, which interpolation only blurs.
+    // The density has been measured over directions; the mean is one of texels, which interpolation only
+    // blurs.
     assert!((integral(|d| Vec3::splat(environment.density(d))).x - 1.0).abs() < 1e-3);
     assert!((environment.mean() * 4.0 * PI - expected).length() < 0.05 * expected.length());
 }

@@ -96,7 +96,8 @@ pub enum NamedStart {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WrittenSurface {
-    /// A material of the scene, or the name that several have: [`Scene::material_names`]; all that no other names where it is left out.
+    /// A material of the scene, or the name that several have: [`Scene::material_names`]; all that no other
+    /// names where it is left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
     /// A preset or one of the own materials.

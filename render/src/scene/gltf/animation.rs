@@ -1,4 +1,5 @@
-//! Keyframe animation: where the nodes are, and how morph targets weigh, at one moment (glTF 2.0, 3.11 and appendix C).
+//! Keyframe animation: where the nodes are, and how morph targets weigh, at one moment (glTF 2.0, 3.11 and
+//! appendix C).
 
 use super::{super::SceneError, document::File};
 use glam::{Mat4, Quat, Vec3};

@@ -4,15 +4,16 @@ use super::{super::SceneError, document::File};
 use gltf::{Accessor, accessor::DataType, buffer::View};
 use std::fmt::Display;
 
-/// Most elements of an accessor that has no bytes of its own but zeros, which a few bytes of JSON can ask for.
+/// Most elements of an accessor that has no bytes of its own but zeros, which a few bytes of JSON can ask
+/// for.
 const MOST_ZEROS: usize = 1 << 20;
 
 /// Reads a component from the first bytes of a slice.
 type Read<T> = fn(&[u8]) -> T;
 
 impl File<'_> {
-    /// The elements of an accessor with `N` components, integers divided by their maximum where the accessor says so.
-    /// `user` says in errors what the accessor is for.
+    /// The elements of an accessor with `N` components, integers divided by their maximum where the accessor
+    /// says so. `user` says in errors what the accessor is for.
     pub fn floats<const N: usize>(
         &self,
         accessor: &Accessor<'_>,

@@ -1,5 +1,6 @@
-//! What a file must not say anywhere, shown or not, beyond what the validator of the crate `gltf` looks at (glTF 2.0, chapter
-//! of each check in parentheses). A file that breaks these was damaged or made wrongly, and is told so by name.
+//! What a file must not say anywhere, shown or not, beyond what the validator of the crate `gltf` looks at
+//! (glTF 2.0, chapter of each check in parentheses). A file that breaks these was damaged or made wrongly,
+//! and is told so by name.
 
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::buffer::View;

@@ -67,7 +67,8 @@ impl<'a> File<'a> {
         file::read(&path)
     }
 
-    /// The bytes of all buffers. `blob` is the binary chunk of a .glb file, which a first buffer without URI stands for.
+    /// The bytes of all buffers. `blob` is the binary chunk of a .glb file, which a first buffer without URI
+    /// stands for.
     fn read_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
         self.document
             .as_json()

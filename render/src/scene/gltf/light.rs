@@ -1,15 +1,15 @@
 //! Lights and cameras of the nodes that a scene shows.
 //!
-//! glTF states light in photometric units: candela for points and spots, lux for directional lights, and candela per
-//! square metre for emission (KHR_lights_punctual, KHR_materials_emissive_strength). All three are taken as watts one to
-//! one. Dividing by 683 lm/W would scale every light of a scene alike, but files in circulation write values near 1
-//! for both lights and emission, so one to one keeps the ratio of lights to emission that a file states, and gives
-//! radiances near 1.
+//! glTF states light in photometric units: candela for points and spots, lux for directional lights, and
+//! candela per square metre for emission (KHR_lights_punctual, KHR_materials_emissive_strength). All three
+//! are taken as watts one to one. Dividing by 683 lm/W would scale every light of a scene alike, but files in
+//! circulation write values near 1 for both lights and emission, so one to one keeps the ratio of lights to
+//! emission that a file states, and gives radiances near 1.
 //!
-//! glTF's lights project no pictures. Those of a light here are said in its `extras`, by the index of one of the file's
-//! textures, whose colours are taken as sRGB: a spot's `{"slide": 0}` is what its outer cone projects; a directional
-//! light's `{"pattern": 0, "patternWidth": 4.0}` is a picture across the light, like clouds, that repeats after so many
-//! metres. What else extras hold means nothing here.
+//! glTF's lights project no pictures. Those of a light here are said in its `extras`, by the index of one of
+//! the file's textures, whose colours are taken as sRGB: a spot's `{"slide": 0}` is what its outer cone
+//! projects; a directional light's `{"pattern": 0, "patternWidth": 4.0}` is a picture across the light, like
+//! clouds, that repeats after so many metres. What else extras hold means nothing here.
 
 use super::{
     super::{Camera, Light, SceneError, TextureId, texture::Encoding},
@@ -115,8 +115,8 @@ fn read_light(
     }
 }
 
-/// The perspective cameras that the scene shows, with their names; orthographic ones are no pinhole cameras and are
-/// left out. Aspect ratios are left to the image.
+/// The perspective cameras that the scene shows, with their names; orthographic ones are no pinhole cameras
+/// and are left out. Aspect ratios are left to the image.
 pub(super) fn cameras(file: &File<'_>, hierarchy: &Hierarchy) -> Result<Vec<(String, Camera)>, SceneError> {
     let mut cameras = Vec::new();
     for (node, world) in hierarchy.nodes(file) {
@@ -142,7 +142,8 @@ pub(super) fn cameras(file: &File<'_>, hierarchy: &Hierarchy) -> Result<Vec<(Str
     Ok(cameras)
 }
 
-/// The rotation of a transform: its z and y axes made orthonormal, x to the right of them. Scale has no part in it.
+/// The rotation of a transform: its z and y axes made orthonormal, x to the right of them. Scale has no part
+/// in it.
 fn rotation(world: Mat4) -> Option<Mat3> {
     let finite = world.is_finite();
     let backward = world.z_axis.truncate().try_normalize().filter(|_| finite)?;

@@ -17,7 +17,8 @@ use gltf::json::{
 /// The name of the extension, where it is not part of the parsed JSON.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
-/// All materials of a file, in its order, then the one of primitives without a material; their textures are added.
+/// All materials of a file, in its order, then the one of primitives without a material; their textures are
+/// added.
 pub(super) fn read(file: &File<'_>, textures: &mut TextureList) -> Result<Vec<Material>, SceneError> {
     let written = file.document.as_json().materials.iter().enumerate();
     let mut materials: Vec<_> = written
@@ -132,8 +133,9 @@ fn slot(
     Ok(texture.map(|texture| TextureSlot { texture, uv_set, transform }))
 }
 
-/// What KHR_texture_transform does to coordinates: scale, then rotate, then move. With v pointing down, as in glTF,
-/// its counter-clockwise angle is a clockwise one in (u, v); Khronos' TextureTransformMultiTest shows the sense.
+/// What KHR_texture_transform does to coordinates: scale, then rotate, then move. With v pointing down, as in
+/// glTF, its counter-clockwise angle is a clockwise one in (u, v); Khronos' TextureTransformMultiTest shows
+/// the sense.
 fn affine(transform: &TextureTransform) -> Affine2 {
     Affine2::from_scale_angle_translation(
         transform.scale.0.into(),

@@ -1,5 +1,5 @@
-//! Meshes: the primitives that a scene shows, each read once, morphed, skinned or placed by its node, in world space
-//! (glTF 2.0, 3.7).
+//! Meshes: the primitives that a scene shows, each read once, morphed, skinned or placed by its node, in
+//! world space (glTF 2.0, 3.7).
 
 use super::{
     super::{MaterialId, Mesh, SceneError, finish::finish},

@@ -1,11 +1,11 @@
-//! glTF 2.0 (.gltf and .glb): nodes, meshes, materials, textures, cameras, lights, skins and morph targets, posed at one
-//! moment and flattened to world space. Source: Khronos glTF 2.0 specification (ISO/IEC 12113:2022) and the extensions in
-//! [`document::SUPPORTED_EXTENSIONS`].
+//! glTF 2.0 (.gltf and .glb): nodes, meshes, materials, textures, cameras, lights, skins and morph targets,
+//! posed at one moment and flattened to world space. Source: Khronos glTF 2.0 specification (ISO/IEC
+//! 12113:2022) and the extensions in [`document::SUPPORTED_EXTENSIONS`].
 //!
-//! A file is untrusted: the JSON is validated as a whole, every accessor is held against its buffer before it is read,
-//! and sizes are added up before anything is instantiated. Extensions that a file uses without requiring them, and that
-//! are not in the list, are left out as the specification allows (clear coat, transmission, ...), which
-//! [`Scene::warnings`] say.
+//! A file is untrusted: the JSON is validated as a whole, every accessor is held against its buffer before it
+//! is read, and sizes are added up before anything is instantiated. Extensions that a file uses without
+//! requiring them, and that are not in the list, are left out as the specification allows (clear coat,
+//! transmission, ...), which [`Scene::warnings`] say.
 
 mod animation;
 mod buffers;
@@ -36,9 +36,9 @@ use node::Hierarchy;
 use std::path::Path;
 use texture::TextureList;
 
-/// Reads a glTF file, posed by its first animation at `time` seconds, with the displacements of its vertices in the
-/// `shutter` seconds around that. Times outside the animation give its ends. The file's default scene is read, else its
-/// first, else all of its nodes.
+/// Reads a glTF file, posed by its first animation at `time` seconds, with the displacements of its vertices
+/// in the `shutter` seconds around that. Times outside the animation give its ends. The file's default scene
+/// is read, else its first, else all of its nodes.
 ///
 /// # Errors
 /// If the file, or one that it refers to, is missing, damaged, or needs an extension that is not supported.
@@ -95,8 +95,8 @@ pub fn animation_span(path: &Path) -> Result<Option<[f32; 2]>, SceneError> {
     animation::span(&File::open(path)?)
 }
 
-/// Gives the meshes that move between two times how far each of their vertices does. A file's meshes and vertices are
-/// the same at all times.
+/// Gives the meshes that move between two times how far each of their vertices does. A file's meshes and
+/// vertices are the same at all times.
 fn displace(file: &File<'_>, meshes: &mut [Mesh], times: [f32; 2]) -> Result<(), SceneError> {
     let posed = |time| {
         let pose = Pose::at(file, time)?;

@@ -13,8 +13,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// The transform of an affine matrix, which may be singular. Normals go by the matrix of cofactors, the inverse
-    /// transpose up to a factor, whose sign is put right for mirroring matrices.
+    /// The transform of an affine matrix, which may be singular. Normals go by the matrix of cofactors, the
+    /// inverse transpose up to a factor, whose sign is put right for mirroring matrices.
     pub fn new(matrix: Mat4) -> Self {
         let direction = Mat3::from_mat4(matrix);
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = direction;
@@ -25,8 +25,8 @@ impl Place {
     }
 }
 
-/// A mesh with each vertex where `place` takes it. Mirrored triangles turn their winding, so that fronts stay fronts
-/// (glTF 2.0, 3.7.4).
+/// A mesh with each vertex where `place` takes it. Mirrored triangles turn their winding, so that fronts stay
+/// fronts (glTF 2.0, 3.7.4).
 pub(super) fn placed(rest: &Mesh, place: impl Fn(usize) -> Place) -> Mesh {
     let places = || (0..rest.positions.len()).map(&place);
     let unit = |direction: Vec3| direction.normalize_or_zero();

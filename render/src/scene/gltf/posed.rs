@@ -7,8 +7,8 @@ use crate::scene::{Mesh, Meshes};
 use glam::Mat4;
 
 impl Rig {
-    /// Puts the meshes that move to where they are at `time`, seconds, with the displacements of their vertices in the
-    /// `shutter` seconds around that, as [`load`](super::load) does.
+    /// Puts the meshes that move to where they are at `time`, seconds, with the displacements of their
+    /// vertices in the `shutter` seconds around that, as [`load`](super::load) does.
     ///
     /// # Errors
     /// If a vertex is no number then; its mesh is named.

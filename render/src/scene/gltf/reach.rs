@@ -8,8 +8,8 @@ use glam::Vec3;
 const MOMENTS: u16 = 256;
 
 impl Rig {
-    /// The box around all vertices at all moments. No vertex leaves the boxes of those that follow the same matrix, taken
-    /// along by each of them, since it goes to a mean of where they take it.
+    /// The box around all vertices at all moments. No vertex leaves the boxes of those that follow the same
+    /// matrix, taken along by each of them, since it goes to a mean of where they take it.
     pub fn reach(&self) -> Bounds {
         let [begin, end] = self.span();
         let boxes: Vec<_> = self.parts.iter().map(|part| (boxes(part), ways(part))).collect();

@@ -1,5 +1,5 @@
-//! What of a glTF file moves: the tracks of its animation, its nodes, and the vertices that follow them, so that a file
-//! can be posed at any moment without being read again.
+//! What of a glTF file moves: the tracks of its animation, its nodes, and the vertices that follow them, so
+//! that a file can be posed at any moment without being read again.
 
 use super::animation::Tracks;
 use super::document::File;
@@ -38,8 +38,8 @@ pub struct RigPart {
     pub targets: Vec<MorphTarget>,
     /// Node whose morph weights it has.
     node: usize,
-    /// For each matrix its node and what comes before it: of a joint the inverse bind matrix. None has the one of vertices
-    /// that follow no joint and stay.
+    /// For each matrix its node and what comes before it: of a joint the inverse bind matrix. None has the
+    /// one of vertices that follow no joint and stay.
     matrices: Vec<(Option<usize>, Mat4)>,
 }
 

@@ -43,8 +43,8 @@ pub(super) fn missing_joint(influences: &[Influences], joints: usize) -> Option<
         .find(|joint| *joint as usize >= joints)
 }
 
-/// The matrix that takes a vertex from the mesh at rest to the world: the mean of its joints' by their weights. A
-/// vertex without any weight stays where it is.
+/// The matrix that takes a vertex from the mesh at rest to the world: the mean of its joints' by their
+/// weights. A vertex without any weight stays where it is.
 pub(super) fn vertex_matrix(influences: &[Influences], joints: &[Mat4], vertex: usize) -> Mat4 {
     let mut sum = Mat4::ZERO;
     let mut total = 0.0;

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Array {
-    /// A NumPy array (.npy) or a file of raw numbers, little endian, in the folder of the file that names it or below.
+    /// A NumPy array (.npy) or a file of raw numbers, little endian, in the folder of the file that names it
+    /// or below.
     pub file: PathBuf,
     /// What each index of the array goes along, the slowest first.
     #[serde(default)]
@@ -72,8 +73,8 @@ impl Array {
     /// The densities in its file, which is at a path.
     ///
     /// # Errors
-    /// If the file cannot be read, is damaged or of another size than is said, or something is said of an array that says
-    /// it itself, or not said of raw numbers.
+    /// If the file cannot be read, is damaged or of another size than is said, or something is said of an
+    /// array that says it itself, or not said of raw numbers.
     pub fn read(&self, path: &Path) -> Result<Cells, MediumError> {
         let bytes = bytes(path)?;
         let is_npy = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npy"));
@@ -147,8 +148,8 @@ fn share_of_two(number: u16) -> f32 {
     f32::from(number) / f32::from(u16::MAX)
 }
 
-/// Refuses headers of .npy files for which their reader takes memory before it reads, or time without end: brackets in brackets
-/// take it twice as long each.
+/// Refuses headers of .npy files for which their reader takes memory before it reads, or time without end:
+/// brackets in brackets take it twice as long each.
 fn check_header(file: &[u8]) -> Result<(), String> {
     let Some(header) = header(file) else { return Ok(()) };
     let text = file.get(header).ok_or("is no array: it ends within its header")?;
@@ -159,7 +160,8 @@ fn check_header(file: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Where a .npy file says that its header is: after its length, of two bytes in the first version of the format, four in others.
+/// Where a .npy file says that its header is: after its length, of two bytes in the first version of the
+/// format, four in others.
 fn header(file: &[u8]) -> Option<Range<usize>> {
     let begin = if *file.get(6)? == 1 { 10 } else { 12 };
     let length = file.get(8..begin)?.iter().rev().fold(0, |sum, byte| sum << 8 | usize::from(*byte));

@@ -1,5 +1,5 @@
-//! Densities from files: Mitsuba's volumes (`.vol`), and descriptions (`.toml`) of an array or of weather, with the box that
-//! they fill:
+//! Densities from files: Mitsuba's volumes (`.vol`), and descriptions (`.toml`) of an array or of weather,
+//! with the box that they fill:
 //!
 //! ```toml
 //! [array]                    # or [volume] with the `file` of a .vol, or [weather], as `Weather` has it, with `cells`
@@ -12,7 +12,8 @@
 //!
 //! Files that it names are in its folder or below.
 //!
-//! OpenVDB is not read: the one crate that reads it is no longer kept. Its own Python module makes an array of a grid.
+//! OpenVDB is not read: the one crate that reads it is no longer kept. Its own Python module makes an array
+//! of a grid.
 
 use super::array::{Array, Cells};
 use super::{DensityGrid, MediumError, Weather};
@@ -80,8 +81,8 @@ impl DensityFile {
     /// Reads a volume or a description, and what it names.
     ///
     /// # Errors
-    /// If a file is missing, damaged, of another kind, or says what cannot be, or a description names one that is not in its
-    /// folder.
+    /// If a file is missing, damaged, of another kind, or says what cannot be, or a description names one
+    /// that is not in its folder.
     pub fn read(path: &Path) -> Result<Self, MediumError> {
         let ends = |ending: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending));
         if ends("vol") {

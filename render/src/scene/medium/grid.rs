@@ -4,8 +4,8 @@ use super::{MediumError, check_box};
 use crate::scene::Bounds;
 use glam::{UVec3, Vec3};
 
-/// Density on a regular grid, trilinear between the middles of its cells and constant beyond the outermost of them, up
-/// to the box.
+/// Density on a regular grid, trilinear between the middles of its cells and constant beyond the outermost of
+/// them, up to the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityGrid {
     bounds: Bounds,
@@ -25,12 +25,12 @@ impl DensityGrid {
     /// The most cells of a grid: 512 along each edge, half a gibibyte.
     pub const MOST_CELLS: usize = 1 << 27;
 
-    /// A grid of `size` cells along x, y and z that fill a box; `values` are those of their middles, x fastest, then
-    /// y.
+    /// A grid of `size` cells along x, y and z that fill a box; `values` are those of their middles, x
+    /// fastest, then y.
     ///
     /// # Errors
-    /// If the box has no volume, there is no cell or more than [`DensityGrid::MOST_CELLS`], there are not as many
-    /// values as cells, or one of them is negative or not finite.
+    /// If the box has no volume, there is no cell or more than [`DensityGrid::MOST_CELLS`], there are not as
+    /// many values as cells, or one of them is negative or not finite.
     pub fn new(bounds: Bounds, size: [usize; 3], values: Vec<f32>) -> Result<Self, MediumError> {
         check_box(bounds)?;
         let cells = Self::cells(size)?;

@@ -1,8 +1,8 @@
 //! Density grids in Mitsuba's volume files (.vol, version 3), which outside renderers read too.
 //!
-//! All numbers are little endian: the letters `VOL`, a byte 3, the 32-bit whole numbers 1 (for f32), cells along x, y
-//! and z and channels, six f32 of the box (lowest corner, highest corner), then the values, x fastest, then y, then z.
-//! Files with other encodings or more than one channel are refused.
+//! All numbers are little endian: the letters `VOL`, a byte 3, the 32-bit whole numbers 1 (for f32), cells
+//! along x, y and z and channels, six f32 of the box (lowest corner, highest corner), then the values, x
+//! fastest, then y, then z. Files with other encodings or more than one channel are refused.
 
 use super::{DensityGrid, MediumError};
 use crate::scene::Bounds;
@@ -39,7 +39,8 @@ impl DensityGrid {
     }
 }
 
-/// Writes a .vol file of some channels: `values` are those of a cell, then of the next along x, then y, then z.
+/// Writes a .vol file of some channels: `values` are those of a cell, then of the next along x, then y, then
+/// z.
 ///
 /// # Errors
 /// If the file cannot be written.

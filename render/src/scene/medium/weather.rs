@@ -1,9 +1,9 @@
 //! Smoke, clouds and fog banks made of noise, which drift with the wind and change as they go.
 //!
-//! All are a threshold over a sum of octaves of noise, with a shape of their own: smoke thins out towards all faces of its
-//! box, clouds have flat bases and heaped tops and are frayed by finer noise, a bank of fog lies on the floor of its box and
-//! is thinner the higher up. Change comes from octaves that drift against one another, each by its own features: nothing
-//! pops, and it looks alike at all times.
+//! All are a threshold over a sum of octaves of noise, with a shape of their own: smoke thins out towards all
+//! faces of its box, clouds have flat bases and heaped tops and are frayed by finer noise, a bank of fog lies
+//! on the floor of its box and is thinner the higher up. Change comes from octaves that drift against one
+//! another, each by its own features: nothing pops, and it looks alike at all times.
 
 use super::{DensityGrid, MediumError};
 use crate::scene::Bounds;
@@ -60,8 +60,8 @@ pub struct Weather {
     pub seed: u32,
     /// Size of the largest billows, metres.
     pub billow: f32,
-    /// From 0 for none to 1 for hardly a hole, about: the share of the box that smoke is in, of the sky that clouds cover,
-    /// of the height that fog reaches.
+    /// From 0 for none to 1 for hardly a hole, about: the share of the box that smoke is in, of the sky that
+    /// clouds cover, of the height that fog reaches.
     pub cover: f32,
     /// Where to and how fast it drifts, metres a second.
     #[serde(default)]
@@ -77,11 +77,13 @@ impl Weather {
         Self { kind: WeatherKind::Smoke, seed, billow, cover, wind: Vec3::ZERO, churn: 0.0 }
     }
 
-    /// What is in a box at a time, seconds, with about `cells` cubic cells along its longest edge; densities from 0 to 1.
+    /// What is in a box at a time, seconds, with about `cells` cubic cells along its longest edge; densities
+    /// from 0 to 1.
     ///
     /// # Errors
-    /// If a number is not finite, the cover not from 0 to 1, billows are less than a millionth of the box's distance from the origin, wind or churn
-    /// have gone farther than a million billows, or as [`DensityGrid::new`].
+    /// If a number is not finite, the cover not from 0 to 1, billows are less than a millionth of the box's
+    /// distance from the origin, wind or churn have gone farther than a million billows, or as
+    /// [`DensityGrid::new`].
     pub fn grid(self, bounds: Bounds, cells: usize, time: f32) -> Result<DensityGrid, MediumError> {
         super::check_box(bounds)?;
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();

@@ -59,8 +59,8 @@ impl Hollow {
         };
         let chambers = self.chambers.iter().map(ball).fold(f32::MAX, |a, b| smooth_min(a, b, 0.4));
         let rock = self.chambers.windows(2).map(passage).fold(chambers, |a, b| smooth_min(a, b, 0.4));
-        // Most of the time goes into noise, which is not computed where it cannot matter: more than a cell away from
-        // where it could move the surface, and where something else bounds the air more tightly.
+        // Most of the time goes into noise, which is not computed where it cannot matter: more than a cell
+        // away from where it could move the surface, and where something else bounds the air more tightly.
         let reach = 1.5 * self.rough + self.strata;
         if rock > reach + 0.2 {
             return -rock;

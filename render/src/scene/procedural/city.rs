@@ -50,7 +50,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     for depth in &rows {
         corner.x = -0.5 * total.x;
         for width in &columns {
-            // Houses stand a little back from the middle of their plots, so that streets have bends and nooks.
+            // Houses stand a little back from the middle of their plots, so that streets have bends and
+            // nooks.
             let size = Vec2::new(width - random.within(0.0, 0.8), depth - random.within(0.0, 0.8));
             let middle = corner + 0.5 * Vec2::new(*width, *depth);
             plot(middle, Vec2::new(*width, *depth), size, &looks, stage, random);

@@ -1,5 +1,5 @@
-//! A square of cloth that falls until it rests: point masses and length constraints (Jakobsen, "Advanced Character
-//! Physics", 2001), with solids that push points out.
+//! A square of cloth that falls until it rests: point masses and length constraints (Jakobsen, "Advanced
+//! Character Physics", 2001), with solids that push points out.
 
 use super::shape::Shape;
 use super::solids::{block, sphere};
@@ -11,8 +11,8 @@ use glam::{Vec2, Vec3, Vec3A};
 const GAP: f32 = 0.02;
 /// Fall in the first step: gravity in a hundredth of a second squared, metres.
 const FALL: f32 = 9.81 / 10_000.0;
-/// Share of a point's speed that is left after a step. Cloth falls slowly through air, and no point may cross a thin
-/// solid in one step.
+/// Share of a point's speed that is left after a step. Cloth falls slowly through air, and no point may cross
+/// a thin solid in one step.
 const KEPT: f32 = 0.94;
 /// Times the constraints are met in turn in every step.
 const PASSES: usize = 3;
@@ -38,8 +38,8 @@ pub enum Solid {
 }
 
 impl Solid {
-    /// The vector from the solid's surface to a point outside, by its length the distance; `None` where the point is
-    /// farther than [`GAP`].
+    /// The vector from the solid's surface to a point outside, by its length the distance; `None` where the
+    /// point is farther than [`GAP`].
     fn push(&self, point: Vec3) -> Option<Vec3> {
         match self {
             Self::Bar { from, to, radius } => {
@@ -115,8 +115,8 @@ impl Cloth {
         Self::new(size, side, point, |_, _| false)
     }
 
-    /// A cloth that hangs from a line of a given height over x, pinned at some of its points, a little wider than its
-    /// place there, so that it falls in folds.
+    /// A cloth that hangs from a line of a given height over x, pinned at some of its points, a little wider
+    /// than its place there, so that it falls in folds.
     pub fn hanging(size: f32, side: usize, corner: Vec3, line: impl Fn(f32) -> f32) -> Self {
         let place = 0.9 * size;
         let point = |u: f32, v: f32| {
@@ -135,8 +135,8 @@ impl Cloth {
     ) -> Self {
         let share = |i: usize| i as f32 / (side - 1) as f32;
         let cells = (0..side * side).map(|i| (i % side, i / side));
-        // Neighbours in the list of links have no point in common, so that the processor can meet several at once: links
-        // along a row are listed column by column.
+        // Neighbours in the list of links have no point in common, so that the processor can meet several at
+        // once: links along a row are listed column by column.
         let links_along = |rows: usize| {
             cells.clone().map(move |(column, row)| if rows == 0 { (row, column) } else { (column, row) })
         };
@@ -213,7 +213,8 @@ impl Cloth {
         }
     }
 
-    /// The cloth as a sheet with every cell cut into `finer` x `finer`, along smooth curves through the points.
+    /// The cloth as a sheet with every cell cut into `finer` x `finer`, along smooth curves through the
+    /// points.
     pub fn shape(&self, finer: usize) -> Shape {
         let points: Vec<Vec3> = self.points.iter().map(|point| Vec3::from(*point)).collect();
         let rows: Vec<Vec<Vec3>> = points.chunks(self.side).map(|row| curve(row, finer)).collect();

@@ -84,8 +84,8 @@ fn studio(half: f32, stage: &mut Stage, random: &mut Random) {
     stage.add("rug", rug, surface);
 }
 
-/// A pleated curtain from x = 0 to `width` and from `height` down to just above the floor, gathered at its middle if
-/// tied.
+/// A pleated curtain from x = 0 to `width` and from `height` down to just above the floor, gathered at its
+/// middle if tied.
 fn curtain(width: f32, height: f32, tied: bool, random: &mut Random) -> Shape {
     let pleats = (width / random.within(0.09, 0.16)).round();
     let (phase, sway) = (random.angle(), random.within(0.5, 1.5));

@@ -127,7 +127,8 @@ impl Growth<'_> {
     }
 }
 
-/// A leaf that rises from the origin, folded along its middle. Its texture coordinates cover a whole texture of 1 m.
+/// A leaf that rises from the origin, folded along its middle. Its texture coordinates cover a whole texture
+/// of 1 m.
 fn leaf(length: f32, width: f32) -> Shape {
     let mut shape = sheet(2, 2, |u, v| {
         let fold = 0.25 * width * (1.0 - (2.0 * u - 1.0).abs());

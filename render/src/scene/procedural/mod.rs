@@ -164,7 +164,8 @@ impl Family {
         })
     }
 
-    /// The family's scene of a seed, called by both, 20,000 to 300,000 triangles; on the tables for captures 8,000 and more.
+    /// The family's scene of a seed, called by both, 20,000 to 300,000 triangles; on the tables for captures
+    /// 8,000 and more.
     pub fn scene(self, seed: u64) -> Scene {
         let mut stage = Stage::new(format!("{}-{seed}", self.name()));
         let mut random = Random::new(self as u64, seed);

@@ -1,5 +1,5 @@
-//! Gradient noise (Perlin, "Improving Noise", 2002) and sums of it. Only whole-number arithmetic, products and sums,
-//! so the same everywhere.
+//! Gradient noise (Perlin, "Improving Noise", 2002) and sums of it. Only whole-number arithmetic, products
+//! and sums, so the same everywhere.
 
 use glam::{IVec3, Vec3};
 
@@ -22,8 +22,8 @@ pub fn fbm(seed: u32, point: Vec3, octaves: u32) -> f32 {
     drifting_fbm(seed, point, octaves, 0.0)
 }
 
-/// Like [`fbm`], each octave moved by so many of its own features: along x, y, z and against them in turn, so that they
-/// change what they make together.
+/// Like [`fbm`], each octave moved by so many of its own features: along x, y, z and against them in turn, so
+/// that they change what they make together.
 pub fn drifting_fbm(seed: u32, point: Vec3, octaves: u32, drift: f32) -> f32 {
     octave_sum(seed, point, octaves, drift, |value| value)
 }
@@ -52,7 +52,8 @@ pub fn of_cell(seed: u32, cell: IVec3) -> f32 {
     (hash(seed, cell) >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Rounded down, without the call into the C library that `f32::floor` is where SSE 4.1 is not taken for granted.
+/// Rounded down, without the call into the C library that `f32::floor` is where SSE 4.1 is not taken for
+/// granted.
 fn floor(point: Vec3) -> IVec3 {
     let towards_zero = point.as_ivec3();
     let below = point.cmplt(towards_zero.as_vec3());

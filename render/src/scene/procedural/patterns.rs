@@ -1,6 +1,6 @@
-//! Pictures for surfaces whose own do not matter: a pool as large as one likes, of patterns whose edges and colours a
-//! blur shows. Stands in for the texture pool of the thesis (7.3.1; Cimpoi et al. 2014), which does not come with the
-//! project.
+//! Pictures for surfaces whose own do not matter: a pool as large as one likes, of patterns whose edges and
+//! colours a blur shows. Stands in for the texture pool of the thesis (7.3.1; Cimpoi et al. 2014), which does
+//! not come with the project.
 
 use super::materials::{colour, filled};
 use super::noise;
@@ -106,8 +106,8 @@ fn clouds(random: &mut Random) -> Box<dyn Fn(Vec2) -> Vec3> {
     })
 }
 
-/// Colours and fine detail as photographs of rock, bark and leaves have them: three fractal noises of which one bends
-/// the others, in a spectrum that falls like theirs.
+/// Colours and fine detail as photographs of rock, bark and leaves have them: three fractal noises of which
+/// one bends the others, in a spectrum that falls like theirs.
 fn landscape(random: &mut Random) -> Box<dyn Fn(Vec2) -> Vec3> {
     let palette = [any_colour(random), any_colour(random), any_colour(random), any_colour(random)];
     let (scale, bend, seed) = (random.within(2.0, 6.0), random.within(0.2, 1.5), random.bits());

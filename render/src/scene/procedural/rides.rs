@@ -9,8 +9,8 @@ use super::sweep::{curve, lathe, rod, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// A body along z around the origin, `half(t)` its half width and height and `rise(t)` the height of its middle at the
-/// share `t` of its length; sections are rounded squares, the ends are closed.
+/// A body along z around the origin, `half(t)` its half width and height and `rise(t)` the height of its
+/// middle at the share `t` of its length; sections are rounded squares, the ends are closed.
 pub fn loft(length: f32, rings: usize, half: impl Fn(f32) -> Vec2, rise: impl Fn(f32) -> f32) -> Shape {
     let sides = 28;
     let rounded = |value: f32| value.signum() * value.abs().sqrt();

@@ -61,8 +61,8 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
     stage.sun(random);
 }
 
-/// Length of a wall and where it is: its x runs along the floor from left to right as seen from inside, its z into
-/// the room.
+/// Length of a wall and where it is: its x runs along the floor from left to right as seen from inside, its z
+/// into the room.
 fn wall_place(side: usize, size: Vec3) -> (f32, Affine3A) {
     let length = if side.is_multiple_of(2) { size.x } else { size.z };
     let depth = if side.is_multiple_of(2) { size.z } else { size.x };

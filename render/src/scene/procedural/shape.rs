@@ -1,7 +1,7 @@
 //! Triangles without a material, and how they are placed, bent and joined.
 //!
-//! Shapes stand on y = 0 around the y axis unless they say otherwise. Texture coordinates are in metres, so that a
-//! texture has the same size on everything.
+//! Shapes stand on y = 0 around the y axis unless they say otherwise. Texture coordinates are in metres, so
+//! that a texture has the same size on everything.
 
 use glam::{Affine3A, Mat3, Quat, Vec2, Vec3};
 use std::collections::HashMap;
@@ -131,7 +131,8 @@ impl Shape {
         self
     }
 
-    /// The shape with vertices in the same place made one, so that [`Self::bent`] and [`Self::smoothed`] see no seams.
+    /// The shape with vertices in the same place made one, so that [`Self::bent`] and [`Self::smoothed`] see
+    /// no seams.
     pub fn welded(self) -> Self {
         let mut welded = Self::default();
         let mut found = HashMap::new();
@@ -190,7 +191,8 @@ impl FromIterator<Shape> for Shape {
     }
 }
 
-/// Unit normal of a polygon by Newell's method (Sutherland, Sproull and Schumacker 1974), which bears repeated corners.
+/// Unit normal of a polygon by Newell's method (Sutherland, Sproull and Schumacker 1974), which bears
+/// repeated corners.
 fn newell(corners: &[Vec3]) -> Vec3 {
     let next = corners.iter().cycle().skip(1);
     let sum: Vec3 = corners.iter().zip(next).map(|(a, b)| (a - corners[0]).cross(b - corners[0])).sum();

@@ -1,5 +1,5 @@
-//! A clear sky with a sun over plain ground, as an environment that needs no file: the analytic daylight model of
-//! Preetham, Shirley and Smits (1999), appendix A.2.
+//! A clear sky with a sun over plain ground, as an environment that needs no file: the analytic daylight
+//! model of Preetham, Shirley and Smits (1999), appendix A.2.
 
 use super::random::Random;
 use crate::scene::Environment;
@@ -18,10 +18,12 @@ const SKIES: u64 = 1001;
 /// Half the angle at which the sun is seen, radians: ten times the real one, so that texels resolve it.
 const SUN_RADIUS: f64 = 0.0465;
 
-/// Irradiance from the sun over that from the sky, on level ground under a clear sky in the middle of the day.
+/// Irradiance from the sun over that from the sky, on level ground under a clear sky in the middle of the
+/// day.
 const SUN_SHARE: f64 = 4.0;
 
-/// The sky of a seed. Sun, haze and ground differ; the irradiance of level ground, divided by pi, is 1 of green.
+/// The sky of a seed. Sun, haze and ground differ; the irradiance of level ground, divided by pi, is 1 of
+/// green.
 pub fn sky(seed: u64) -> Environment {
     let mut random = Random::new(SKIES, seed);
     let mut draw = |low: f32, high: f32| f64::from(random.within(low, high));
@@ -141,8 +143,8 @@ fn distribution([a, b, c, d, e]: [f64; 5], height: f64, angle: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Irradiance of level ground, divided by pi, from the environment as it is looked up, at sixteen points a texel,
-    /// since a few hundred random directions meet the sun too rarely.
+    /// Irradiance of level ground, divided by pi, from the environment as it is looked up, at sixteen points
+    /// a texel, since a few hundred random directions meet the sun too rarely.
     fn level(environment: &Environment) -> Vec3 {
         const ROWS: usize = 2 * HEIGHT;
         const COLUMNS: usize = 4 * WIDTH;

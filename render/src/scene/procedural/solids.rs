@@ -107,14 +107,16 @@ pub fn torus(radius: f32, tube: f32, sides: usize, tube_sides: usize) -> Shape {
     lathe(&(0..=tube_sides).map(point).collect::<Vec<_>>(), sides)
 }
 
-/// A bar of rectangular section from one point to another; `height` is measured upwards as far as the bar allows.
+/// A bar of rectangular section from one point to another; `height` is measured upwards as far as the bar
+/// allows.
 pub fn beam(from: Vec3, to: Vec3, width: f32, height: f32) -> Shape {
     let half = 0.5 * Vec2::new(width, height);
     let section = [-half, Vec2::new(half.x, -half.y), half, Vec2::new(-half.x, half.y)];
     sweep(&section, &[from, to], |_| 1.0)
 }
 
-/// A sphere around the origin of nearly equal triangles (20 * 4^`divisions`), made to be bent: its vertices are shared.
+/// A sphere around the origin of nearly equal triangles (20 * 4^`divisions`), made to be bent: its vertices
+/// are shared.
 pub fn icosphere(radius: f32, divisions: u32) -> Shape {
     let (mut points, mut triangles) = icosahedron();
     for _ in 0..divisions {

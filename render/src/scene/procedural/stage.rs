@@ -114,8 +114,8 @@ impl Lot {
     }
 }
 
-/// Tangents along u, averaged over the triangles around each vertex (glTF 2.0: the bitangent's sign is in w; texture
-/// coordinates' origin is top left, so the bitangent of the map's green channel points against v).
+/// Tangents along u, averaged over the triangles around each vertex (glTF 2.0: the bitangent's sign is in w;
+/// texture coordinates' origin is top left, so the bitangent of the map's green channel points against v).
 fn tangents(shape: &Shape) -> Vec<Vec4> {
     let mut along_u = vec![Vec3::ZERO; shape.positions.len()];
     let mut along_v = along_u.clone();

@@ -1,6 +1,6 @@
-//! A table before a wall in the light of two panels, for captures: what every scene of the two families of neutral things has
-//! in common, so that the arrangement of the things is all that changes. The panels are soft, and of two colours, so that
-//! light tells how a surface is turned.
+//! A table before a wall in the light of two panels, for captures: what every scene of the two families of
+//! neutral things has in common, so that the arrangement of the things is all that changes. The panels are
+//! soft, and of two colours, so that light tells how a surface is turned.
 
 use super::random::Random;
 use super::shape::Shape;
@@ -24,14 +24,15 @@ struct Panel {
     radiance: Vec3,
 }
 
-/// A warm one on the right and a cool, weaker one on the left. White surfaces on the table that face the first have a
-/// radiance of about 0.9.
+/// A warm one on the right and a cool, weaker one on the left. White surfaces on the table that face the
+/// first have a radiance of about 0.9.
 const PANELS: [Panel; 2] = [
     Panel { place: Vec3::new(1.3, 1.7, 1.1), edge: 1.0, radiance: Vec3::new(21.5, 19.5, 17.0) },
     Panel { place: Vec3::new(-1.5, 1.1, 0.7), edge: 0.6, radiance: Vec3::new(7.5, 10.0, 13.0) },
 ];
 
-/// Puts table, wall and panels on the stage, and things on the table, none into another. `thing` makes one of any size.
+/// Puts table, wall and panels on the stage, and things on the table, none into another. `thing` makes one of
+/// any size.
 pub fn furnish(thing: fn(&mut Random) -> Shape, stage: &mut Stage, random: &mut Random) {
     let grey = stage.material(Material::matte("grey", Vec3::splat(GREY)));
     stage.add("table", grey, block(Vec3::new(-1.8, -0.04, -0.92), Vec3::new(1.8, 0.0, 1.6)));

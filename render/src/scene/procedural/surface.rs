@@ -3,8 +3,8 @@
 use super::shape::Shape;
 use glam::{IVec3, Vec2, Vec3};
 
-/// A sheet of `columns` x `rows` quadrilaterals through the points of a function of (u, v) in [0, 1]^2. Its front is
-/// where v's direction x u's direction points: up where u goes along x and v along z.
+/// A sheet of `columns` x `rows` quadrilaterals through the points of a function of (u, v) in [0, 1]^2. Its
+/// front is where v's direction x u's direction points: up where u goes along x and v along z.
 pub fn sheet(columns: usize, rows: usize, point: impl Fn(f32, f32) -> Vec3) -> Shape {
     let mut shape = Shape::default();
     let grid: Vec<Vec<Vec3>> = (0..=rows)
@@ -31,8 +31,8 @@ pub fn sheet(columns: usize, rows: usize, point: impl Fn(f32, f32) -> Vec3) -> S
     shape.smoothed()
 }
 
-/// Solid ground: the height field `height(x, z)` over a rectangle around the origin, with walls down to `base` and a
-/// floor below, in `cells` x `cells` quadrilaterals.
+/// Solid ground: the height field `height(x, z)` over a rectangle around the origin, with walls down to
+/// `base` and a floor below, in `cells` x `cells` quadrilaterals.
 pub fn ground(size: Vec2, cells: usize, base: f32, height: impl Fn(f32, f32) -> f32) -> Shape {
     let point = |u: f32, v: f32| {
         let at = size * (Vec2::new(u, v) - Vec2::splat(0.5));
@@ -55,8 +55,8 @@ pub fn ground(size: Vec2, cells: usize, base: f32, height: impl Fn(f32, f32) -> 
     shape
 }
 
-/// The surface where a field is 0, facing where it is positive, inside a box: naive surface nets (Gibson 1998), one
-/// vertex for every cell of about `cell` metres that the surface passes through.
+/// The surface where a field is 0, facing where it is positive, inside a box: naive surface nets (Gibson
+/// 1998), one vertex for every cell of about `cell` metres that the surface passes through.
 pub fn isosurface(low: Vec3, high: Vec3, cell: f32, field: impl Fn(Vec3) -> f32) -> Shape {
     let grid = Grid::sampled(low, high, cell, field);
     let mut shape = Shape::default();
@@ -151,7 +151,8 @@ impl Grid {
     }
 }
 
-/// The smaller of two distances with a rounded meeting, which is about `radius` wide (polynomial smooth minimum).
+/// The smaller of two distances with a rounded meeting, which is about `radius` wide (polynomial smooth
+/// minimum).
 pub fn smooth_min(a: f32, b: f32, radius: f32) -> f32 {
     let overlap = (radius - (a - b).abs()).max(0.0) / radius;
     a.min(b) - 0.25 * overlap * overlap * radius

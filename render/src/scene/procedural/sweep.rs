@@ -4,11 +4,12 @@ use super::shape::Shape;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Cosine of the angle between two pieces of an outline beyond which the edge between them is sharp: 40 degrees.
+/// Cosine of the angle between two pieces of an outline beyond which the edge between them is sharp: 40
+/// degrees.
 const SHARP: f32 = 0.766;
 
-/// Turns an outline, x the distance from the y axis, about that axis. Going up means facing outwards; an outline from
-/// the axis to the axis, or one that ends where it began, gives a closed solid.
+/// Turns an outline, x the distance from the y axis, about that axis. Going up means facing outwards; an
+/// outline from the axis to the axis, or one that ends where it began, gives a closed solid.
 pub fn lathe(outline: &[Vec2], sides: usize) -> Shape {
     let mut shape = Shape::default();
     let closed = outline.first() == outline.last();
@@ -41,9 +42,9 @@ pub fn lathe(outline: &[Vec2], sides: usize) -> Shape {
     shape
 }
 
-/// Draws a closed outline, counter-clockwise seen against the path's direction, along a path, scaled by `scale` of the
-/// share of the path's points that have passed. A path that ends where it began has no caps. The outline's y points
-/// up where the path is level.
+/// Draws a closed outline, counter-clockwise seen against the path's direction, along a path, scaled by
+/// `scale` of the share of the path's points that have passed. A path that ends where it began has no caps.
+/// The outline's y points up where the path is level.
 pub fn sweep(outline: &[Vec2], path: &[Vec3], scale: impl Fn(f32) -> f32) -> Shape {
     let frames = frames(path);
     let last = path.len() - 1;
@@ -95,8 +96,8 @@ pub fn rod(from: Vec3, to: Vec3, radius: f32, sides: usize) -> Shape {
     tube(&[from, to], radius, sides)
 }
 
-/// Pushes an outline in x and y, counter-clockwise seen from +z, from z = -`depth` / 2 to `depth` / 2. The outline may
-/// be dented, but not cross itself.
+/// Pushes an outline in x and y, counter-clockwise seen from +z, from z = -`depth` / 2 to `depth` / 2. The
+/// outline may be dented, but not cross itself.
 pub fn extrude(outline: &[Vec2], depth: f32) -> Shape {
     sweep(outline, &[Vec3::Z * -0.5 * depth, Vec3::Z * 0.5 * depth], |_| 1.0)
 }
@@ -120,8 +121,8 @@ pub fn curve(knots: &[Vec3], steps: usize) -> Vec<Vec3> {
     (0..=count).map(point).collect()
 }
 
-/// Unit normals at both ends of each edge of an outline, to the right of its direction; shared where edges meet
-/// smoothly.
+/// Unit normals at both ends of each edge of an outline, to the right of its direction; shared where edges
+/// meet smoothly.
 fn edge_normals(outline: &[Vec2], closed: bool) -> Vec<[Vec2; 2]> {
     let count = outline.len();
     let edges = if closed { count } else { count - 1 };
@@ -138,7 +139,8 @@ fn edge_normals(outline: &[Vec2], closed: bool) -> Vec<[Vec2; 2]> {
     (0..edges).map(|i| [shared(i, before(i)), shared(i, after(i))]).collect()
 }
 
-/// Two unit vectors across the path at each of its points, `right x up` along the path, turning as little as possible.
+/// Two unit vectors across the path at each of its points, `right x up` along the path, turning as little as
+/// possible.
 fn frames(path: &[Vec3]) -> Vec<[Vec3; 2]> {
     let last = path.len() - 1;
     let closed = path[0] == path[last];
@@ -187,8 +189,8 @@ fn triangulated(outline: &[Vec2]) -> Vec<[u32; 3]> {
             let ours = corner(*i);
             turn(a, b, c) > 0.0 && !left.iter().any(|vertex| !ours.contains(vertex) && holds(point(*vertex)))
         };
-        // The roundest ear first keeps triangles from becoming needles; without any ear the outline was not simple,
-        // or all its points are in line.
+        // The roundest ear first keeps triangles from becoming needles; without any ear the outline was not
+        // simple, or all its points are in line.
         let best = (0..count).filter(is_ear).max_by(|i, j| {
             let roundness = |i: usize| {
                 let [a, b, c] = corner(i).map(point);

@@ -61,7 +61,8 @@ impl Land {
         land
     }
 
-    /// Lets a drop of water run down: it carries earth from steep places to level ones (Beyer 2015, shortened).
+    /// Lets a drop of water run down: it carries earth from steep places to level ones (Beyer 2015,
+    /// shortened).
     fn drop_of_rain(&mut self, random: &mut Random) {
         let inner = (SIDE - 4) as f32;
         let mut at = Vec2::new(random.within(2.0, inner), random.within(2.0, inner));

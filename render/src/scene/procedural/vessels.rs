@@ -7,8 +7,8 @@ use super::sweep::{curve, lathe, tapered_tube, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// A vessel with a wall of 4 % of its radius, from the outline of its outside, bottom to rim, radius first, in shares
-/// of `radius` and `height`.
+/// A vessel with a wall of 4 % of its radius, from the outline of its outside, bottom to rim, radius first,
+/// in shares of `radius` and `height`.
 pub fn vessel(outline: &[(f32, f32)], radius: f32, height: f32) -> Shape {
     let knots: Vec<Vec3> = outline.iter().map(|(x, y)| Vec3::new(x * radius, y * height, 0.0)).collect();
     let wall = (0.05 * radius).max(0.003);

@@ -8,8 +8,8 @@ use glam::{IVec2, Vec2, Vec3};
 /// What two frames show of the same surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Two<'a> {
-    /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth, and the depth
-    /// that it had then; 0 where nothing is seen: `[4, height, width]`.
+    /// How far each pixel's surface moved since the frame before (x to the right, y up, pixels), its depth,
+    /// and the depth that it had then; 0 where nothing is seen: `[4, height, width]`.
     pub since_before: &'a Planes,
     /// The same of the frame before.
     pub since_before_that: &'a Planes,
@@ -28,8 +28,8 @@ pub fn mixed(two: Two<'_>, current: &Planes, history: &Planes, mixing: &uniforms
     })
 }
 
-/// How much an image flickers: the mean, over the pixels whose surface was seen before and over channels, of how far
-/// they are from what the frame before showed of it. 0 where a surface keeps what it shows.
+/// How much an image flickers: the mean, over the pixels whose surface was seen before and over channels, of
+/// how far they are from what the frame before showed of it. 0 where a surface keeps what it shows.
 pub fn flicker(two: Two<'_>, current: &Planes, before: &Planes, depth_tolerance: f32) -> f64 {
     let (mut sum, mut count) = (0.0, 0u64);
     for y in 0..current.height() {
@@ -46,8 +46,8 @@ pub fn flicker(two: Two<'_>, current: &Planes, before: &Planes, depth_tolerance:
 }
 
 impl Two<'_> {
-    /// Where the frame before showed the surface of a pixel: pixels by their index, each with its weight, and the sum of
-    /// these; `None` where it was not seen.
+    /// Where the frame before showed the surface of a pixel: pixels by their index, each with its weight, and
+    /// the sum of these; `None` where it was not seen.
     pub fn taps(self, [y, x]: [usize; 2], tolerance: f32) -> Option<([(usize, f32); 4], f32)> {
         let depth = self.since_before.at(3, y, x);
         let movement = Vec2::new(self.since_before.at(0, y, x), -self.since_before.at(1, y, x));
@@ -86,7 +86,8 @@ impl Two<'_> {
     }
 }
 
-/// What [`Two`] knows of a frame, of a scene at rest: from positions in camera space, `[3, height, width]`, of what is seen.
+/// What [`Two`] knows of a frame, of a scene at rest: from positions in camera space, `[3, height, width]`,
+/// of what is seen.
 pub fn since_at_rest(positions: &Planes, seen: &[bool], camera: &Camera, before: &Camera) -> Planes {
     let [height, width] = [positions.height(), positions.width()];
     let mut since = Planes::filled(4, height, width, 0.0);

@@ -1,5 +1,6 @@
-// What facets occlude of a pixel's hemisphere, added up (McGuire 2010), one slice of the facets after the other. A
-// slice is below one node of the tree over them: few enough that no driver's bound of loops cuts the walk short.
+// What facets occlude of a pixel's hemisphere, added up (McGuire 2010), one slice of the facets after the
+// other. A slice is below one node of the tree over them: few enough that no driver's bound of loops cuts the
+// walk short.
 
 #import shared/facet
 #import shared/facet_form_factor

@@ -1,6 +1,6 @@
-// The bounced z-buffer over facets (thesis 6.2), one invocation for each of a pixel's directions: whether a facet
-// within reach hides the sky there. Of the nearest it matters only that there is one, so that the first that is met
-// ends the walk. As with what facets occlude, one slice of them comes after the other.
+// The bounced z-buffer over facets (thesis 6.2), one invocation for each of a pixel's directions: whether a
+// facet within reach hides the sky there. Of the nearest it matters only that there is one, so that the first
+// that is met ends the walk. As with what facets occlude, one slice of them comes after the other.
 
 #import shared/bounced_directions
 #import shared/bounced_matte

@@ -1,5 +1,5 @@
-// One direction of the blur that removes the noise of random samples: a Gaussian that fades with the distance from the
-// pixel's tangent plane. The plain version is render/src/methods/blur.rs.
+// One direction of the blur that removes the noise of random samples: a Gaussian that fades with the distance
+// from the pixel's tangent plane. The plain version is render/src/methods/blur.rs.
 
 #import shared/bounded
 #import shared/surface

@@ -1,4 +1,5 @@
-// Between which values of `gamma` view rays are in the medium. None is negative, so that their bits are in order.
+// Between which values of `gamma` view rays are in the medium. None is negative, so that their bits are in
+// order.
 
 #import shared/epipolar_view
 #import uniforms/epipolar

@@ -1,5 +1,6 @@
-// Fog in front of pixels: each asks the lines beside it for the lit light rays between its view ray's ends, node by node (Baran et
-// al. 2010, Figure 6), and multiplies them with the integrand, which is a quadratic function within a node.
+// Fog in front of pixels: each asks the lines beside it for the lit light rays between its view ray's ends,
+// node by node (Baran et al. 2010, Figure 6), and multiplies them with the integrand, which is a quadratic
+// function within a node.
 
 #import shared/epipolar_lines
 #import shared/epipolar_rays
@@ -138,8 +139,8 @@ fn sum_of_ray(number: u32, begins: f32, ends_at: f32, query: Query) -> vec3f {
     return share * integrand(0.5 * (begins + ends_at), query);
 }
 
-// Nodes are no wider than half of a spot's cone to a side, which they would miss between their three values; what a lamp projects is asked for
-// light ray by light ray.
+// Nodes are no wider than half of a spot's cone to a side, which they would miss between their three values;
+// what a lamp projects is asked for light ray by light ray.
 fn largest_level(bounds: vec2f) -> u32 {
     let light = lights[of_lamp.number];
     if light.picture.w > 0.0 {

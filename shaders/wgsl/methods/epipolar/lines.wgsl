@@ -1,5 +1,6 @@
-// How many epipolar lines leave the image before each place of its border, so that neighbours are never more than a pixel
-// apart (Baran et al. 2010, section 8; the paper's inverse hyperbolic sine is what these steps add up to). One workgroup.
+// How many epipolar lines leave the image before each place of its border, so that neighbours are never more
+// than a pixel apart (Baran et al. 2010, section 8; the paper's inverse hyperbolic sine is what these steps
+// add up to). One workgroup.
 
 #import shared/epipolar_lines
 #import shared/lamp_axis
@@ -10,15 +11,17 @@
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
-// [border + 6]: numbers of lines, of which the last is how many there are; the bounds of `gamma`, which begin empty; how many
-// workgroups of 64 light rays a line has, how many lines there are with the first and the last, and 1.
+// [border + 6]: numbers of lines, of which the last is how many there are; the bounds of `gamma`, which begin
+// empty; how many workgroups of 64 light rays a line has, how many lines there are with the first and the
+// last, and 1.
 @group(0) @binding(3) var<storage, read_write> lines: array<u32>;
 
 const THREADS = 256u;
 const LEAVES = 64u;
 var<workgroup> totals: array<f32, THREADS>;
 
-// How far apart lines are across their direction that leave at the beginning and at the end of a pixel of the border.
+// How far apart lines are across their direction that leave at the beginning and at the end of a pixel of the
+// border.
 fn step_across(place: u32, axis: Axis) -> f32 {
     let begins = border_point(f32(place), axis);
     let ends = border_point(f32(place) + 1.0, axis);

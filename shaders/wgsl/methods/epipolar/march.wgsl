@@ -1,5 +1,5 @@
-// Fog in front of pixels whose view rays cross few light rays, those around the epipole (Baran et al. 2010, section 8): by
-// steps.
+// Fog in front of pixels whose view rays cross few light rays, those around the epipole (Baran et al. 2010,
+// section 8): by steps.
 
 #import shared/bounded
 #import shared/epipolar_lines

@@ -1,17 +1,20 @@
-// Partial sums over light rays, of all sweeps at once. The tree of Baran et al. 2010 (section 5) is changed light ray by light
-// ray while a sweep goes over view rays; here every node, 4 to 64 light rays, keeps its light rays in the order in which
-// they end, and behind each the sum of those that end later: what the node holds whenever a view ray asks. Two children are merged
-// by looking each element up in the other child, whose sum there is added to its own.
+// Partial sums over light rays, of all sweeps at once. The tree of Baran et al. 2010 (section 5) is changed
+// light ray by light ray while a sweep goes over view rays; here every node, 4 to 64 light rays, keeps its
+// light rays in the order in which they end, and behind each the sum of those that end later: what the node
+// holds whenever a view ray asks. Two children are merged by looking each element up in the other child,
+// whose sum there is added to its own.
 //
-// What is summed is 1, the place and its square, with which a node gives the sum of a quadratic function. Places are odd numbers
-// of half light rays from the beginning of 64, so that sums are whole numbers of 13 and 19 bits.
+// What is summed is 1, the place and its square, with which a node gives the sum of a quadratic function.
+// Places are odd numbers of half light rays from the beginning of 64, so that sums are whole numbers of 13
+// and 19 bits.
 
 #import uniforms/epipolar
 
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 // [lines, light rays]
 @group(0) @binding(1) var<storage, read> ends: array<f32>;
-// [5, lines, light rays, 2]: ends in order by nodes of 4, 8, 16, 32 and 64, and sums from each on, places in the upper 13 bits.
+// [5, lines, light rays, 2]: ends in order by nodes of 4, 8, 16, 32 and 64, and sums from each on, places in
+// the upper 13 bits.
 @group(0) @binding(2) var<storage, read_write> sums: array<vec2u>;
 
 const LEAVES = 64u;

@@ -1,5 +1,5 @@
-// Where the light rays of slices end: the rectified shadow map (Baran et al. 2010, section 3), as values of `beta`. Light rays
-// that nothing stops end at 2.
+// Where the light rays of slices end: the rectified shadow map (Baran et al. 2010, section 3), as values of
+// `beta`. Light rays that nothing stops end at 2.
 
 #import shared/epipolar_lines
 #import shared/epipolar_rays
@@ -25,7 +25,8 @@ const NEVER = 2.0;
 
 // The place of the border where a line leaves, by bisection.
 fn leaves_at(line: u32) -> f32 {
-    // Of the last one that place counts which comes before those where no line leaves, whatever rounding made of their numbers.
+    // Of the last one that place counts which comes before those where no line leaves, whatever rounding made
+    // of their numbers.
     let number = min(f32(line), bitcast<f32>(lines[border()]) - 0.05);
     var low = 0u;
     var high = border();
@@ -42,8 +43,8 @@ fn leaves_at(line: u32) -> f32 {
     return f32(low) + clamp((number - before) / max(step, 1e-20), 0.0, 1.0);
 }
 
-// Depth of the first surface on the ray through a point, along the axis of the map that shows it, and that of the point; no
-// surface where the second is negative.
+// Depth of the first surface on the ray through a point, along the axis of the map that shows it, and that of
+// the point; no surface where the second is negative.
 fn blocker(light: LightRecord, point: vec3f) -> vec2f {
     if light.power.w < 0.0 {
         return vec2f(0.0, -1.0);

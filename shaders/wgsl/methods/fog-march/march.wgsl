@@ -1,5 +1,5 @@
-// Single scattering of one lamp's light by steps along every view ray, each of which looks into its shadow maps. The plain version is
-// render/src/methods/fog_march/reference.rs.
+// Single scattering of one lamp's light by steps along every view ray, each of which looks into its shadow
+// maps. The plain version is render/src/methods/fog_march/reference.rs.
 
 #import shared/bounded
 #import shared/fog_steps

@@ -1,5 +1,5 @@
-// The fog in front of each pixel: sums of columns of froxels, between where columns are lit and the ends of slices
-// (Wronski 2014, pass 4). The plain version is render/src/methods/froxel/reference.rs.
+// The fog in front of each pixel: sums of columns of froxels, between where columns are lit and the ends of
+// slices (Wronski 2014, pass 4). The plain version is render/src/methods/froxel/reference.rs.
 
 #import shared/froxel_index
 #import shared/froxels

@@ -1,6 +1,6 @@
-// Sums of what columns of froxels send to the eye, front to back (Wronski 2014, pass 3; within a froxel as Hillaire 2015,
-// "Physically Based and Unified Volumetric Rendering in Frostbite"): of each what it and those before it send. The plain
-// version is render/src/methods/froxel/reference.rs.
+// Sums of what columns of froxels send to the eye, front to back (Wronski 2014, pass 3; within a froxel as
+// Hillaire 2015, "Physically Based and Unified Volumetric Rendering in Frostbite"): of each what it and those
+// before it send. The plain version is render/src/methods/froxel/reference.rs.
 
 #import shared/bounded
 #import shared/froxel_index

@@ -1,5 +1,5 @@
-// What each froxel scatters of the lamps' light (Wronski 2014, "Volumetric Fog", pass 2). The plain version is
-// render/src/methods/froxel/reference.rs.
+// What each froxel scatters of the lamps' light (Wronski 2014, "Volumetric Fog", pass 2). The plain version
+// is render/src/methods/froxel/reference.rs.
 
 #import shared/bounded
 #import shared/froxel_index
@@ -19,11 +19,12 @@
 @group(0) @binding(4) var<storage, read> pictures: array<u32>;
 @group(0) @binding(5) var maps: texture_depth_2d_array;
 @group(0) @binding(6) var map_sampler: sampler_comparison;
-// [slices, rows, columns, 4]: radiance that a metre of density 1 sends to the eye, over its scattering coefficient; density
-// times length, metres.
+// [slices, rows, columns, 4]: radiance that a metre of density 1 sends to the eye, over its scattering
+// coefficient; density times length, metres.
 @group(0) @binding(7) var<storage, read_write> scattered: array<vec4f>;
 
-// Nearer to a lamp than this part of a step it counts as that near: what a froxel is said to scatter is its mean.
+// Nearer to a lamp than this part of a step it counts as that near: what a froxel is said to scatter is its
+// mean.
 const NEAREST = 0.25;
 
 @compute @workgroup_size(TILE, TILE)

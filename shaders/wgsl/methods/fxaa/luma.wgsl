@@ -1,5 +1,5 @@
-// Luma of every pixel for fast approximate anti-aliasing (Lottes 2011): the square root of luminance, which grows about
-// as seen brightness does. The plain version is render/src/methods/fxaa/reference.rs.
+// Luma of every pixel for fast approximate anti-aliasing (Lottes 2011): the square root of luminance, which
+// grows about as seen brightness does. The plain version is render/src/methods/fxaa/reference.rs.
 
 #import shared/picture
 #import uniforms/fxaa

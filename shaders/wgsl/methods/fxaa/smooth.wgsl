@@ -1,6 +1,6 @@
-// Fast approximate anti-aliasing, one invocation a pixel (Lottes 2011, version 3.11, quality): where luma has an edge, the
-// pixel is blended with its neighbour across the edge by how much of it lies beyond.
-// The plain version is render/src/methods/fxaa/reference.rs; both do the same, line by line.
+// Fast approximate anti-aliasing, one invocation a pixel (Lottes 2011, version 3.11, quality): where luma has
+// an edge, the pixel is blended with its neighbour across the edge by how much of it lies beyond. The plain
+// version is render/src/methods/fxaa/reference.rs; both do the same, line by line.
 
 #import shared/bounded
 #import shared/picture
@@ -32,8 +32,8 @@ fn luma_between(pixel: vec2i, across: vec2i, along: vec2i, distance: f32) -> f32
     return 0.5 * (first * (1.0 - part) + second * part);
 }
 
-// Of two numbers that are alike but for rounding, every processor takes the first for the greater: between flat colours ties
-// are common.
+// Of two numbers that are alike but for rounding, every processor takes the first for the greater: between
+// flat colours ties are common.
 fn is_first_more(first: f32, second: f32) -> bool {
     return first >= 0.9999 * second;
 }

@@ -29,7 +29,8 @@ fn within(r: f32, d: f32) -> f32 {
     return 1.0 - 0.25 * slow * slow * slow - 0.75 * slow;
 }
 
-// The radius of the disc that holds a share of the profile: t = exp(-r / 3d) solves t^3 + 3 t = 4 (1 - share) (Cardano).
+// The radius of the disc that holds a share of the profile: t = exp(-r / 3d) solves t^3 + 3 t = 4 (1 - share)
+// (Cardano).
 fn radius_of(share: f32, d: f32) -> f32 {
     let left = 2.0 * (1.0 - share);
     let root = pow(left + sqrt(left * left + 1.0), 1.0 / 3.0);

@@ -47,9 +47,9 @@ fn biased_tangent(position: vec3f, normal: vec3f, offset: vec2f) -> f32 {
     return sine * hbao.bias_cosine + sqrt(max(1.0 - sine * sine, 0.0)) * hbao.bias_sine;
 }
 
-// What occludes the pixel in one direction of the image: how far samples rise above the tangent, in sines; each rise
-// above all before it weighted by how near its sample is. Pixels lie on a grid and not on the direction, so each is
-// measured from the tangent towards itself.
+// What occludes the pixel in one direction of the image: how far samples rise above the tangent, in sines;
+// each rise above all before it weighted by how near its sample is. Pixels lie on a grid and not on the
+// direction, so each is measured from the tangent towards itself.
 fn march(pixel: vec2i, position: vec3f, normal: vec3f, direction: vec2f, start: f32, spacing: f32, count: u32) -> f32 {
     let pixels = hbao.width * hbao.height;
     var horizon = 0.0;

@@ -1,6 +1,6 @@
-// The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as far away
-// (Kopf et al. 2007), and the surface behind it, lit by the grid's light. That of a finer grid is added to what is there of
-// the coarser ones.
+// The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as
+// far away (Kopf et al. 2007), and the surface behind it, lit by the grid's light. That of a finer grid is
+// added to what is there of the coarser ones.
 
 #import shared/lpv_irradiance
 #import shared/lpv_nested

@@ -1,5 +1,5 @@
-// Light that a coarser grid hands to a finer one: in the cells along the finer one's border all that goes through them in all
-// iterations, before the first: render/src/lpv/cascade.rs.
+// Light that a coarser grid hands to a finer one: in the cells along the finer one's border all that goes
+// through them in all iterations, before the first: render/src/lpv/cascade.rs.
 
 #import shared/lpv_flight
 #import shared/lpv_grid
@@ -22,8 +22,8 @@
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
 // [2 SCATTERED + 1, 3, cells] of the coarser grid: as the medium and as surfaces show it, and the first kind
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again; then, of three bands, [kinds, 5,
-// cells]: second moments
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again; then, of
+// three bands, [kinds, 5, cells]: second moments
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
 // [3, cells]: flux and energy of steady light
 @group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
@@ -31,8 +31,8 @@
 // The shortest way, cells: of light that is hardly there.
 const LEAST_WAY = 1e-6;
 
-// Fluence of light of a cell over the energy that arrives there, as if as much went through the cells beside it; `again`
-// is 0 but for scattered light.
+// Fluence of light of a cell over the energy that arrives there, as if as much went through the cells beside
+// it; `again` is 0 but for scattered light.
 fn way_of(handed: vec4f, within: f32, extinction: f32, again: f32) -> f32 {
     let energies = by_kind(lobe(handed.xyz, handed.w)) / max(handed.w, 1e-37);
     var way = 0.0;

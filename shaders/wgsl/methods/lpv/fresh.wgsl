@@ -1,5 +1,6 @@
-// Light that surfaces send, before the first iteration; nothing is shown yet. Where it is STEADY each iteration adds it anew, and
-// of what lies half a way from the middle of its cell only what passes so far sets out from there; it is shown on the way.
+// Light that surfaces send, before the first iteration; nothing is shown yet. Where it is STEADY each
+// iteration adds it anew, and of what lies half a way from the middle of its cell only what passes so far
+// sets out from there; it is shown on the way.
 
 #import shared/lpv_fixed
 #import shared/lpv_flight
@@ -18,7 +19,8 @@
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
-// [kinds, 3, cells]: lobes; then what begin.wgsl writes; then [kinds, 5, cells]: second moments, of three bands alone
+// [kinds, 3, cells]: lobes; then what begin.wgsl writes; then [kinds, 5, cells]: second moments, of three
+// bands alone
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;

@@ -1,4 +1,5 @@
-// Surfaces lit by the grid, irradiance over pi; that of a finer grid is added to what is there of the coarser ones.
+// Surfaces lit by the grid, irradiance over pi; that of a finer grid is added to what is there of the coarser
+// ones.
 
 #import shared/lpv_irradiance
 #import shared/lpv_nested

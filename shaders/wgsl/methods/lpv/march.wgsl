@@ -1,5 +1,6 @@
-// What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of SCALE x
-// SCALE, since it hardly changes from pixel to pixel. That of a finer grid is added to what is there of the coarser ones.
+// What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of
+// SCALE x SCALE, since it hardly changes from pixel to pixel. That of a finer grid is added to what is there
+// of the coarser ones.
 
 #import shared/bounded
 #import shared/lpv_irradiance

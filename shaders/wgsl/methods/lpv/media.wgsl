@@ -12,9 +12,9 @@
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(1) var<storage, read> table: array<f32>;
-// [cells, 3]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per distance of
-// one cell, and, last, density; what sets out again of light that collides on its way out; what sets out in all of even
-// light where nothing is absorbed, over fluence.
+// [cells, 3]: of each colour extinction on the part of the way to a neighbour that lies in the cell, per
+// distance of one cell, and, last, density; what sets out again of light that collides on its way out; what
+// sets out in all of even light where nothing is absorbed, over fluence.
 @group(0) @binding(2) var<storage, read_write> media: array<vec4f>;
 @group(0) @binding(3) var<uniform> medium: MediumRecord;
 @group(0) @binding(4) var densities: texture_3d<f32>;

@@ -1,5 +1,5 @@
-// Where a finer grid lies in a coarser one: around the camera, a box of half the extent that begins between cells of the
-// coarser one and lies within it; as many cells of half the edge: render/src/lpv/grid.rs.
+// Where a finer grid lies in a coarser one: around the camera, a box of half the extent that begins between
+// cells of the coarser one and lies within it; as many cells of half the edge: render/src/lpv/grid.rs.
 
 #import uniforms/frame_view
 #import uniforms/light_grid

@@ -1,5 +1,6 @@
-// One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours send to it,
-// after what blocks and what the medium does on the way. The plain version is render/src/lpv/propagation.rs.
+// One iteration of propagation (Billeter et al. 2012, equation 3): each cell gathers what its 26 neighbours
+// send to it, after what blocks and what the medium does on the way. The plain version is
+// render/src/lpv/propagation.rs.
 
 #import shared/lpv_flight
 #import shared/lpv_grid
@@ -39,11 +40,12 @@ struct Iteration {
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]; then, of three bands, [kinds, 5, cells]: second moments
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]; then, of three bands, [kinds, 5,
+// cells]: second moments
 @group(0) @binding(4) var<storage, read> before: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
-// [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
-// surfaces show it, and the first kind, which a finer grid is lit by
+// [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium
+// and as surfaces show it, and the first kind, which a finer grid is lit by
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;

@@ -1,5 +1,5 @@
-// Light that surfels reflect of what others emit, which a grid has brought to them. What the back of a closed body's
-// surface would get is in it.
+// Light that surfels reflect of what others emit, which a grid has brought to them. What the back of a closed
+// body's surface would get is in it.
 
 #import shared/lpv_irradiance
 #import shared/lpv_send

@@ -1,5 +1,5 @@
-// Light that the medium in each cell gives back of what it kept, alike in all directions: as much radiance where nothing is seen
-// through it as a surface of its paint has: render/src/lpv/injection.rs.
+// Light that the medium in each cell gives back of what it kept, alike in all directions: as much radiance
+// where nothing is seen through it as a surface of its paint has: render/src/lpv/injection.rs.
 
 #import shared/glow_cells
 #import shared/lpv_grid

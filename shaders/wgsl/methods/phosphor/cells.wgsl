@@ -1,5 +1,5 @@
-// States of a medium's cells (thesis, Figure 8.17), moved on by a stretch of time under the lamps as they are now: all light of
-// theirs that goes through a cell's middle, dimmed on its way, whatever its direction.
+// States of a medium's cells (thesis, Figure 8.17), moved on by a stretch of time under the lamps as they are
+// now: all light of theirs that goes through a cell's middle, dimmed on its way, whatever its direction.
 
 #import shared/glow_change
 #import shared/glow_time

@@ -1,5 +1,5 @@
-// The tile of each pixel and where in it: the nearest tile of the pixel's object to where its surface is, by the tree of
-// `fit`. What is farther away than rounding puts it is no tile of that surface.
+// The tile of each pixel and where in it: the nearest tile of the pixel's object to where its surface is, by
+// the tree of `fit`. What is farther away than rounding puts it is no tile of that surface.
 
 #import shared/glow_corners
 #import shared/glow_tile

@@ -1,5 +1,5 @@
-// Boxes around tiles as they are posed in this frame: the tree by which a pixel finds its tile. A node is of FAN tiles, or of
-// FAN nodes of the level below; lows and highs lie one after the other.
+// Boxes around tiles as they are posed in this frame: the tree by which a pixel finds its tile. A node is of
+// FAN tiles, or of FAN nodes of the level below; lows and highs lie one after the other.
 
 #import shared/glow_corners
 #import shared/glow_tile

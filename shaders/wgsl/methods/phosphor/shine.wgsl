@@ -1,5 +1,5 @@
-// What a medium's cells give back before the surface of each pixel, by a march, and what passes of the surface's own light. A
-// cloud that nothing is seen through looks like a surface of its paint.
+// What a medium's cells give back before the surface of each pixel, by a march, and what passes of the
+// surface's own light. A cloud that nothing is seen through looks like a surface of its paint.
 
 #import shared/glow_cells
 #import shared/mean_decay

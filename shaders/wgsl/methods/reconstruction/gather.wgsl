@@ -1,5 +1,6 @@
-// What a pixel shows while the shutter is open: what its own surface leaves bare as it moves, and what passes in front.
-// The plain version is render/src/methods/reconstruction/reference.rs; both do the same, line by line.
+// What a pixel shows while the shutter is open: what its own surface leaves bare as it moves, and what passes
+// in front. The plain version is render/src/methods/reconstruction/reference.rs; both do the same, line by
+// line.
 
 #import shared/bounded
 #import shared/motion
@@ -15,13 +16,14 @@ fn depth_of(index: u32) -> f32 {
     return select(1e30, depth_plane[index], picture_valid(index));
 }
 
-// Whether a depth is in front of another, softly (McGuire et al. 2012, softDepthCompare, of shares of the depth).
+// Whether a depth is in front of another, softly (McGuire et al. 2012, softDepthCompare, of shares of the
+// depth).
 fn in_front(depth: f32, other: f32) -> f32 {
     return saturate((other - depth) / (settings.depth_extent * min(depth, other)));
 }
 
-// Offset of a sample on a line through the pixel, pixels, and the pixel there: one of as many equal parts of the line as
-// there are samples.
+// Offset of a sample on a line through the pixel, pixels, and the pixel there: one of as many equal parts of
+// the line as there are samples.
 fn sample_offset(step: u32, jitter: f32, line: vec2f) -> vec2f {
     let share = (f32(step) + jitter) / f32(settings.samples);
     return floor((2.0 * share - 1.0) * line + 0.5);
@@ -31,8 +33,8 @@ fn is_inside(at: vec2i) -> bool {
     return at.x >= 0 && at.y >= 0 && at.x < i32(settings.width) && at.y < i32(settings.height);
 }
 
-// Mean along the pixel's own movement of all that is not in front of it: its surface while that is there, and what is
-// behind while it is not.
+// Mean along the pixel's own movement of all that is not in front of it: its surface while that is there, and
+// what is behind while it is not.
 fn gather_behind(pixel: vec2i, centre: u32, jitter: f32) -> vec3f {
     let pixels = settings.width * settings.height;
     let movement = half_movement(centre);
@@ -60,7 +62,8 @@ fn gather_behind(pixel: vec2i, centre: u32, jitter: f32) -> vec3f {
     return light / weights;
 }
 
-// Every sample in front that passes over the pixel gives its light for as long as it is there, as a share of the exposure.
+// Every sample in front that passes over the pixel gives its light for as long as it is there, as a share of
+// the exposure.
 fn gather_before(pixel: vec2i, centre: u32, jitter: f32) -> vec4f {
     let pixels = settings.width * settings.height;
     let tile = vec2u(pixel) / settings.tile;

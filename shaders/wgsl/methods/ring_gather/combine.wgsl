@@ -1,6 +1,6 @@
-// The gathered layers over the sharp picture: a pixel takes them from those gathered pixels around that are blurred alike,
-// and stays what it is as far as it is in focus and nothing in front spreads over it.
-// The plain version is render/src/methods/ring_gather/reference.rs.
+// The gathered layers over the sharp picture: a pixel takes them from those gathered pixels around that are
+// blurred alike, and stays what it is as far as it is in focus and nothing in front spreads over it. The
+// plain version is render/src/methods/ring_gather/reference.rs.
 
 #import shared/picture
 #import shared/ring_gather

@@ -1,6 +1,6 @@
-// What is seen through the lens at a pixel, gathered on rings: what is behind or beside the pixel's own surface, and what
-// lies in front and spreads over it. One invocation a gathered pixel.
-// The plain version is render/src/methods/ring_gather/reference.rs; both do the same, line by line.
+// What is seen through the lens at a pixel, gathered on rings: what is behind or beside the pixel's own
+// surface, and what lies in front and spreads over it. One invocation a gathered pixel. The plain version is
+// render/src/methods/ring_gather/reference.rs; both do the same, line by line.
 
 #import uniforms/ring_gather
 
@@ -19,8 +19,8 @@ fn in_front(radius: f32, other: f32) -> f32 {
     return saturate((other - radius) / gather.softness);
 }
 
-// Rings at multiples of the spacing, 8 samples on the first, 16 on the second, ...: each sample, and the pixel itself,
-// stands for as much area as a circle whose diameter is the spacing.
+// Rings at multiples of the spacing, 8 samples on the first, 16 on the second, ...: each sample, and the
+// pixel itself, stands for as much area as a circle whose diameter is the spacing.
 fn ring_count(radius: f32) -> u32 {
     return min(gather.rings, u32(ceil(radius)));
 }
@@ -34,8 +34,8 @@ fn is_inside(at: vec2i) -> bool {
     return at.x >= 0 && at.y >= 0 && at.x < i32(gather.low_width) && at.y < i32(gather.low_height);
 }
 
-// Mean of what the pixel's own circle covers and is not in front: through the lens the pixel's surface is seen, or past
-// its edge what is behind.
+// Mean of what the pixel's own circle covers and is not in front: through the lens the pixel's surface is
+// seen, or past its edge what is behind.
 fn gather_behind(pixel: vec2i, centre: vec4f) -> vec3f {
     let radius = abs(centre.w) / f32(gather.scale);
     if radius < 0.5 {

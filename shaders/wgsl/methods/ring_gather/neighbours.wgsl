@@ -1,5 +1,5 @@
-// Radius of the largest circle of confusion in front of the plane in focus that reaches a tile, from whatever tile.
-// The plain version is render/src/methods/ring_gather/reference.rs.
+// Radius of the largest circle of confusion in front of the plane in focus that reaches a tile, from whatever
+// tile. The plain version is render/src/methods/ring_gather/reference.rs.
 
 #import uniforms/ring_gather
 

@@ -1,6 +1,6 @@
-// The picture in the pixels that are gathered, each with the signed radius of its circle of confusion: negative in front
-// of the plane in focus. Of several pixels that become one, the nearest gives the radius, and those like it the colour.
-// The plain version is render/src/methods/ring_gather/reference.rs.
+// The picture in the pixels that are gathered, each with the signed radius of its circle of confusion:
+// negative in front of the plane in focus. Of several pixels that become one, the nearest gives the radius,
+// and those like it the colour. The plain version is render/src/methods/ring_gather/reference.rs.
 
 #import shared/picture
 #import shared/ring_gather

@@ -1,5 +1,5 @@
-// Radius of the largest circle of confusion in front of the plane in focus, of each tile of TILE x TILE gathered pixels.
-// The plain version is render/src/methods/ring_gather/reference.rs.
+// Radius of the largest circle of confusion in front of the plane in focus, of each tile of TILE x TILE
+// gathered pixels. The plain version is render/src/methods/ring_gather/reference.rs.
 
 #import uniforms/ring_gather
 

@@ -1,6 +1,6 @@
-// One of the two passes of separable subsurface scattering: along rows, then along columns (Jimenez et al. 2015).
-// The plain version is render/src/methods/separable/reference.rs; both do the same, line by line.
-// The light that is blurred is the shared file's: of the picture first, then what the first pass wrote.
+// One of the two passes of separable subsurface scattering: along rows, then along columns (Jimenez et al.
+// 2015). The plain version is render/src/methods/separable/reference.rs; both do the same, line by line. The
+// light that is blurred is the shared file's: of the picture first, then what the first pass wrote.
 
 #import shared/bounded
 #import shared/picture

@@ -1,5 +1,5 @@
-// Directional occlusion before its blur, one invocation a pixel (Ritschel, Grosch and Seidel 2009, section 3).
-// The plain version is render/src/methods/ssdo/reference.rs; both do the same, line by line.
+// Directional occlusion before its blur, one invocation a pixel (Ritschel, Grosch and Seidel 2009, section
+// 3). The plain version is render/src/methods/ssdo/reference.rs; both do the same, line by line.
 
 #import shared/bounded
 #import shared/environment
@@ -56,7 +56,8 @@ struct Ssdo {
 // Angle between a direction and the next, turns: the golden section of the circle.
 const GOLDEN_TURN = 0.381966;
 
-// Whether a point in camera space is behind a surface that the camera sees, and no further than that is thick.
+// Whether a point in camera space is behind a surface that the camera sees, and no further than that is
+// thick.
 fn is_hidden(point: vec3f) -> bool {
     let pixels = ssdo.width * ssdo.height;
     let middle = 0.5 * vec2f(f32(ssdo.width), f32(ssdo.height));
@@ -69,8 +70,8 @@ fn is_hidden(point: vec3f) -> bool {
         return false;
     }
     let position = surface_position(index, pixels);
-    // Behind the plane of the pixel's surface, since the point is beside the ray through the pixel's middle, by more
-    // than rounding.
+    // Behind the plane of the pixel's surface, since the point is beside the ray through the pixel's middle,
+    // by more than rounding.
     return dot(point - position, surface_normal(index, pixels)) < -1e-4 * ssdo.radius
         && length(point) - length(position) < ssdo.thickness;
 }
@@ -114,7 +115,8 @@ fn gather_light(@builtin(global_invocation_id) id: vec3u) {
         let shift = random(id.xy, ssdo.seed, 1u);
         let directions = bounded(ssdo.directions, id.xy);
         for (var k = 0u; k < directions; k++) {
-            // A spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
+            // A spiral over the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's
+            // method).
             let squared = (f32(k) + shift) / f32(ssdo.directions);
             let angle = TAU * (fract(GOLDEN_TURN * f32(k) + turn) - 0.5);
             let disk = sqrt(squared) * vec2f(cos(angle), sin(angle));

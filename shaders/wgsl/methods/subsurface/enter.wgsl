@@ -1,5 +1,6 @@
-// What a method of scattering in screen space is given in place of a picture and mean free paths: the light that falls
-// on each surface, as a white one reflects it, and the lengths of its profiles. Planes [3, height, width].
+// What a method of scattering in screen space is given in place of a picture and mean free paths: the light
+// that falls on each surface, as a white one reflects it, and the lengths of its profiles. Planes [3, height,
+// width].
 
 #import shared/diffusion_length
 

@@ -1,5 +1,5 @@
-// What scatters below each pixel: the length of the profile for each colour, 0 where light does not enter, and the
-// object; and a mask that tells bodies apart, 0 where no light enters.
+// What scatters below each pixel: the length of the profile for each colour, 0 where light does not enter,
+// and the object; and a mask that tells bodies apart, 0 where no light enters.
 
 #import shared/diffusion_length
 #import uniforms/level_sum

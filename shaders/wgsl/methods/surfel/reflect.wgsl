@@ -1,5 +1,5 @@
-// What a glossy surface reflects to the eye: what its lobe would if it were white, in its colour. Surfaces of one plane
-// may be blurred into each other as long as they are white.
+// What a glossy surface reflects to the eye: what its lobe would if it were white, in its colour. Surfaces of
+// one plane may be blurred into each other as long as they are white.
 
 #import shared/gloss
 #import shared/lobe

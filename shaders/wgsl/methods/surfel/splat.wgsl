@@ -1,7 +1,7 @@
-// Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the surfels do to
-// it that this sub-buffer gets, one of 4^l that stands for all, and in whose shell it is. A tree over the surfels
-// leaves out those that do not reach it, so the work is that of splats, without blending, in an order that is always
-// the same.
+// Shell splatting (thesis 4.2.2) of one level, turned round: each pixel of a sub-buffer adds up what the
+// surfels do to it that this sub-buffer gets, one of 4^l that stands for all, and in whose shell it is. A
+// tree over the surfels leaves out those that do not reach it, so the work is that of splats, without
+// blending, in an order that is always the same.
 
 #import shared/bounded
 #import shared/interleaved

@@ -1,10 +1,11 @@
-// Adds up the levels. What is smooth is light over how much there is that scatters it, so that a silhouette before fog stays
-// sharp.
+// Adds up the levels. What is smooth is light over how much there is that scatters it, so that a silhouette
+// before fog stays sharp.
 
 #import uniforms/level_sum
 
 @group(0) @binding(0) var<uniform> level: LevelSum;
-// [height, width, 4]: light, and how much of what the ray scatters there is: of each pixel, and with those around it.
+// [height, width, 4]: light, and how much of what the ray scatters there is: of each pixel, and with those
+// around it.
 @group(0) @binding(1) var<storage, read> sums: array<vec4f>;
 @group(0) @binding(2) var<storage, read> smooth_sums: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> image: array<f32>;

@@ -1,6 +1,6 @@
-// Direct single scattering by the transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.3): what of the lamps'
-// light, with shadows by their maps and dimmed on its way, the intervals of a ray scatter to the eye. The plain version is
-// render/src/methods/volume_shell/direct.rs.
+// Direct single scattering by the transmittance interval map (Nalbach, Ritschel and Seidel 2014, 4.3): what
+// of the lamps' light, with shadows by their maps and dimmed on its way, the intervals of a ray scatter to
+// the eye. The plain version is render/src/methods/volume_shell/direct.rs.
 
 #import shared/intervals_decode
 #import shared/intervals_decode_wide

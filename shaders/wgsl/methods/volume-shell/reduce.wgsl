@@ -1,5 +1,5 @@
-// A level of a Gaussian pyramid from the one below (Burt and Adelson 1983), half as wide and high. The plain version is
-// render/src/methods/volume_shell/pyramid.rs.
+// A level of a Gaussian pyramid from the one below (Burt and Adelson 1983), half as wide and high. The plain
+// version is render/src/methods/volume_shell/pyramid.rs.
 
 #import uniforms/pyramid
 

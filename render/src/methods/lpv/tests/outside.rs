@@ -91,7 +91,8 @@ fn lamps_and_cameras_outside_are_as_the_plain_version_has_them() {
     }
 }
 
-/// Nothing is between a camera outside and the medium: what comes along a ray is the same wherever on it the camera is.
+/// Nothing is between a camera outside and the medium: what comes along a ray is the same wherever on it the
+/// camera is.
 #[test]
 fn light_along_a_ray_does_not_hang_on_how_far_outside_the_camera_is() {
     let (scene, target) = (TracedScene::new(under(lamp(3.0))).expect("triangles"), Vec3::new(0.2, 0.3, -0.1));

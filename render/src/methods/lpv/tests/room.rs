@@ -114,7 +114,8 @@ pub fn over_truth(technique: &impl Technique, effect: Effect, scene: Scene, samp
     mean(&image) / mean(path::render(effect, &shot, Sampling::one(samples, 1)).mean.data())
 }
 
-/// On its way twice through the grid light spreads more evenly over the walls than it does: this corner gets a sixth too much.
+/// On its way twice through the grid light spreads more evenly over the walls than it does: this corner gets
+/// a sixth too much.
 #[test]
 fn a_wall_that_shines_lights_a_corner_about_as_truth_has_it() {
     let parameters = LpvParameters { cells: 16, iterations: 32, ..FEW };
@@ -193,7 +194,8 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
     assert!(two != one);
 }
 
-/// Beside its border a finer grid knows light as the coarser one does: what surfels reflect there of light that surfaces emit.
+/// Beside its border a finer grid knows light as the coarser one does: what surfels reflect there of light
+/// that surfaces emit.
 #[test]
 fn a_finer_grid_knows_light_beside_its_border() {
     let parameters = LpvParameters { cells: 14, cascades: 2, iterations: 32, ..FEW };
@@ -212,13 +214,15 @@ fn a_finer_grid_knows_light_beside_its_border() {
         let of = |volume: &LitVolume| points.iter().map(|at| volume.irradiance(*at, Vec3::Y).x).sum::<f32>();
         of(fine) / of(coarse)
     };
-    // Smaller cells find more light in the middle of a floor; beside the border they have what larger ones hand over.
+    // Smaller cells find more light in the middle of a floor; beside the border they have what larger ones
+    // hand over.
     let [inside, beside] = [0.3, 0.52].map(ratio);
     assert!((1.0..1.4).contains(&inside) && (1.0..inside).contains(&beside), "{beside} {inside}");
 }
 
-/// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is scattered all the same.
-/// What surfaces throw into the fog is steady light, which does not gather in the middle as pulses do.
+/// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is
+/// scattered all the same. What surfaces throw into the fog is steady light, which does not gather in the
+/// middle as pulses do.
 #[test]
 fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() {
     let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };
@@ -308,7 +312,8 @@ fn light_is_linear_and_the_same_on_both_sides_of_a_mirror() {
     }
 }
 
-/// A wall that glows, radiance 1, as truth has it to the others of a cube: Howell's catalogue, C-11 and C-14, to which 0.2 is near.
+/// A wall that glows, radiance 1, as truth has it to the others of a cube: Howell's catalogue, C-11 and C-14,
+/// to which 0.2 is near.
 #[test]
 fn light_that_a_wall_kept_comes_to_the_others_by_their_form_factors() {
     let mut scene = shining(true, None);

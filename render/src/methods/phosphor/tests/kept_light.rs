@@ -1,4 +1,5 @@
-//! What glowing surfaces light: by surfels, by rays that meet them and by the grid, against their plain versions and against truth.
+//! What glowing surfaces light: by surfels, by rays that meet them and by the grid, against their plain
+//! versions and against truth.
 
 use super::*;
 use crate::methods::disks::Disks;
@@ -43,8 +44,8 @@ fn by_grid(gpu: &Gpu, cells: usize) -> ScreenMethod {
     ScreenMethod::new(gpu, lpv::KeptLight(parameters))
 }
 
-/// Shadow maps end within a texel of where shadows do, and a patch is dark or lit. What surfaces light is a thirtieth as bright as
-/// they are.
+/// Shadow maps end within a texel of where shadows do, and a patch is dark or lit. What surfaces light is a
+/// thirtieth as bright as they are.
 const fn tolerance() -> Tolerance {
     Tolerance { usual: 5e-3 / 30.0, worst: 0.1 / 30.0 }
 }

@@ -45,8 +45,8 @@ fn middle(image: &Planes) -> [f32; 3] {
     std::array::from_fn(|c| image.at(c, image.height() / 2, image.width() / 2))
 }
 
-/// Through a roof with a slit, at 1 m above the eye, sunlight falls straight down; the eye looks along x at a wall.
-/// The edges of the slit are those of texels of the shadow map and of steps.
+/// Through a roof with a slit, at 1 m above the eye, sunlight falls straight down; the eye looks along x at a
+/// wall. The edges of the slit are those of texels of the shadow map and of steps.
 #[test]
 fn slits_of_sunlight_are_as_bright_as_their_lit_segment() {
     let roof = |x: [f32; 2]| {
@@ -128,8 +128,8 @@ fn sunlight_that_nothing_hides_is_exact() {
     }
 }
 
-/// Airlight of a lamp in endless fog before a wall and without one (Sun et al. 2005, equation 11, is this integral
-/// without anisotropy).
+/// Airlight of a lamp in endless fog before a wall and without one (Sun et al. 2005, equation 11, is this
+/// integral without anisotropy).
 #[test]
 fn airlight_of_a_lamp_is_suns() {
     let position = Vec3::new(2.0, 1.1, -0.3);

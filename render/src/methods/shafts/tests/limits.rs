@@ -8,7 +8,8 @@ use crate::scene::{Encoding, Texture, Wrap};
 
 const SIZE: [usize; 2] = [45, 60];
 
-/// Asserts that all methods show what a long march shows, epipolar sampling and froxels less exactly, and returns it.
+/// Asserts that all methods show what a long march shows, epipolar sampling and froxels less exactly, and
+/// returns it.
 fn agreed(name: &str, scene: &TracedScene, camera: &Camera, tolerance: f64) -> Planes {
     agreed_but(name, scene, camera, tolerance, USUAL)
 }
@@ -124,7 +125,8 @@ fn lamps_may_be_anywhere() {
         ("at the eye", eye),
         ("beyond the fog", Vec3::new(0.6, 20.0, -1.0)),
     ] {
-        // The light is infinitely bright there, and froxels show its mean: finite is all that they have to be.
+        // The light is infinitely bright there, and froxels show its mean: finite is all that they have to
+        // be.
         let of_gpu = if position == eye { [1.0, 1.0, f64::INFINITY] } else { USUAL };
         let scene = scene(pergola(), vec![lamp(position)], fog(0.5, AROUND));
         agreed_but(name, &scene, &ahead, 2e-3, of_gpu);
@@ -254,7 +256,8 @@ fn pictures_colour_the_light() {
         *slide = Some(TextureId(0));
     }
     for light in [glass, slide] {
-        // So low a box that light rays pass beside it, and so dense that what would reach it from there is no number.
+        // So low a box that light rays pass beside it, and so dense that what would reach it from there is no
+        // number.
         let low = Medium { absorption: Vec3::splat(8.0), ..fog(0.5, [[-9.0, -0.5, -9.0], [9.0, 1.0, 9.0]]) };
         let plain = scene(pergola(), vec![], fog(0.5, AROUND));
         let covered = scene(pergola(), vec![], low);
@@ -268,16 +271,16 @@ fn pictures_colour_the_light() {
                 textures: vec![texture.clone().into()],
                 ..plain.scene().clone()
             };
-            // There pixels are as large as the colours: `gpu-epipolar` mixes what single light rays beside them show, and
-            // froxels what is half a pixel beside them.
+            // There pixels are as large as the colours: `gpu-epipolar` mixes what single light rays beside
+            // them show, and froxels what is half a pixel beside them.
             let of_gpu = if name == "low" { [1.0, 4.0, 20.0] } else { USUAL };
             agreed_but(name, &TracedScene::new(coloured).expect("triangles"), &camera, 5e-3, of_gpu);
         }
     }
 }
 
-/// A narrow beam before a wall without any jump of depth (Baran et al. 2010, Figure 13): what epipolar sampling
-/// misses.
+/// A narrow beam before a wall without any jump of depth (Baran et al. 2010, Figure 13): what epipolar
+/// sampling misses.
 #[test]
 fn a_narrow_beam_before_a_wall_is_seen_by_trees_and_missed_between_samples() {
     let roof = |x: [f32; 2]| {

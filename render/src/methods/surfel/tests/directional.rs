@@ -1,4 +1,5 @@
-//! Directional occlusion by surfels: against the ambient occlusion of the same surfels, its plain version, and truth.
+//! Directional occlusion by surfels: against the ambient occlusion of the same surfels, its plain version,
+//! and truth.
 
 use super::super::directional::DIRECTIONAL;
 use super::*;

@@ -1,5 +1,5 @@
-//! Glossy receivers, of surfels and of the bounced z-buffer over them: against truth, and the passes against the plain
-//! version.
+//! Glossy receivers, of surfels and of the bounced z-buffer over them: against truth, and the passes against
+//! the plain version.
 
 use super::super::glossy::GLOSSY;
 use super::*;

@@ -1,5 +1,5 @@
-//! Scattering by surfels: shares against the profile's integral, a step of light against its closed form, slabs against
-//! what is known to go through, bodies apart, and the passes against the plain version.
+//! Scattering by surfels: shares against the profile's integral, a step of light against its closed form,
+//! slabs against what is known to go through, bodies apart, and the passes against the plain version.
 
 use super::super::reference::{Receiver, Shade, sums};
 use super::super::scattering::{SCATTERING, SUPPORT, Side, given, met_from_within, scattered, shape};
@@ -80,8 +80,8 @@ fn within(distance: f32) -> f32 {
     1.0 - 0.25 * (-distance).exp() - 0.75 * (-distance / 3.0).exp()
 }
 
-/// What surfels of a plane give its pixels by a profile of these lengths, where `light` says what falls on them; and
-/// the surfels.
+/// What surfels of a plane give its pixels by a profile of these lengths, where `light` says what falls on
+/// them; and the surfels.
 fn given_by_a_plane(
     lengths: Vec3,
     parameters: &SurfelParameters,
@@ -106,7 +106,8 @@ fn shares_of_a_plane_add_up_to_the_profile_at_all_sizes_and_over_all_levels() {
         let mean = |channel: usize| sums.plane(channel).iter().sum::<f32>() / (SIZE * SIZE) as f32;
         let areas = disks.iter().map(|disk| disk.radius * disk.radius).sum::<f32>();
         for c in 0..3 {
-            // What is nearer than a surfel is large is left out, and a thousandth beyond the support of the longest.
+            // What is nearer than a surfel is large is left out, and a thousandth beyond the support of the
+            // longest.
             let beyond = |disk: &Disk| disk.radius * disk.radius * (1.0 - within(disk.radius / lengths[c]));
             let wanted = disks.iter().map(beyond).sum::<f32>() / areas;
             let found = mean(c + 3);

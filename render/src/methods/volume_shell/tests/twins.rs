@@ -28,7 +28,8 @@ fn they_do_so_without_each_improvement() {
     }
 }
 
-/// So many surfels and lookups that a software device would end the loops of a pixel early, were they not cut into parts.
+/// So many surfels and lookups that a software device would end the loops of a pixel early, were they not cut
+/// into parts.
 #[test]
 fn long_walks_are_walked_to_their_end() {
     let gpu = gpu();

@@ -3,7 +3,8 @@
 use super::*;
 use crate::path::chi_square::{p_value, proves, refutes};
 
-/// The first `faces` faces of a cube of edge 2 around the origin, the last of them its top; of materials 0, 1, 0, ...
+/// The first `faces` faces of a cube of edge 2 around the origin, the last of them its top; of materials 0,
+/// 1, 0, ...
 fn cube(faces: usize) -> Vec<Mesh> {
     let corner = |i: usize| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
     let all = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6]];

@@ -1,6 +1,6 @@
-//! Veach's plates (1997, figure 9.2): four plates from smooth to rough that reflect four lamps from small to large. Small
-//! lamps in rough plates are found by sampling lights, large ones in smooth plates by sampling reflectances, and both
-//! together must not be much worse than the better of the two in any of the sixteen.
+//! Veach's plates (1997, figure 9.2): four plates from smooth to rough that reflect four lamps from small to
+//! large. Small lamps in rough plates are found by sampling lights, large ones in smooth plates by sampling
+//! reflectances, and both together must not be much worse than the better of the two in any of the sixteen.
 
 use super::*;
 use crate::path::proving::Comparison;
@@ -14,7 +14,8 @@ const HALF_EDGES: [f32; 4] = [0.02, 0.08, 0.25, 0.7];
 
 /// The variance of both together may be that many times the better one's, and
 const RELATIVELY_WORSE: f64 = 1.1;
-/// that many squared means more. Veach (theorem 9.2) proves 1 and 1/2 for one sample each and the balance heuristic.
+/// that many squared means more. Veach (theorem 9.2) proves 1 and 1/2 for one sample each and the balance
+/// heuristic.
 const SQUARED_MEANS: f64 = 0.05;
 
 const EYE: Vec3 = Vec3::new(0.0, 2.0, 12.0);
@@ -57,7 +58,8 @@ fn plates() -> TracedScene {
     traced(scene)
 }
 
-/// Mean and variance of a sample of direct light where a plate mirrors the middle of a lamp, or a little beside.
+/// Mean and variance of a sample of direct light where a plate mirrors the middle of a lamp, or a little
+/// beside.
 fn reflection(scene: &TracedScene, finding: Finding, plate_index: usize, lamp: usize) -> (f64, f64) {
     let (middle, normal) = plate(plate_index);
     // The mirror image of the lamp, seen from the eye, through the plate.
