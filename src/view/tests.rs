@@ -37,8 +37,17 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// With more options.
+    /// With more options, as soon as there is a picture or a reason why there is none: what comes for the first
+    /// time moves the controls below it, and a click would miss them.
     pub fn new(line: &str) -> Self {
+        let mut opened = Self::at_once(line);
+        let shows = |window: &Window| window.results.picture.is_some() || window.messages.first().is_some();
+        opened.wait("a picture", shows);
+        opened
+    }
+
+    /// With more options, though nothing is shown yet.
+    fn at_once(line: &str) -> Self {
         let scene = if line.contains("--scene") { "" } else { "--scene still-life:1" };
         let size = if line.contains("--height") { "" } else { "--height 48 --width 64" };
         let args = args(&format!("{scene} {size} --quality low --spp 8 {line}"));
@@ -231,7 +240,7 @@ fn keys_do_what_they_are_said_to_do() {
 
 #[test]
 fn closing_does_not_wait_for_a_slow_method() {
-    let opened = Opened::new("--scene room:7 --methods aov --height 288 --width 448");
+    let opened = Opened::at_once("--scene room:7 --methods aov --height 288 --width 448");
     let began = Instant::now();
     drop(opened);
     assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());

@@ -45,6 +45,7 @@ fn an_animation_is_recorded_at_its_own_times() {
     let scene = folder.path().join("tile.gltf");
     let options = "--eye 1,2,2 --look-at 0,0,0 --methods gtao,hbao --radius 1";
     let mut opened = Opened::new(&format!("--scene {} {options}", scene.display()));
+    opened.wait_until_complete();
     opened.click("tiles");
     record(&mut opened, 10.0);
     let path = |name: String| opened.path("film-1").join(name);

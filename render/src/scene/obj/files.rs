@@ -24,11 +24,33 @@ impl<'a> Files<'a> {
         file::beside(self.folder, &self.below, name).ok().filter(|path| path.is_file())
     }
 
-    /// The plain file of the last part of a name, here or in the folder `textures`: names of other computers
-    /// (`C:\Users\x\t.png`) have been true where the files lay then.
+    /// The plain file of a name in other letters (`T.PNG` for `t.png`, which are one on other computers), or
+    /// of its last part, here or in the folder `textures`: names of other computers (`C:\Users\x\t.png`) have
+    /// been true where the files lay then.
     pub fn called(&self, name: &str) -> Option<PathBuf> {
         let last = unquoted(name).rsplit(['/', '\\']).next()?;
-        self.named(last).or_else(|| self.named(&format!("textures/{last}")))
+        let named = |name: &str| self.named(name).or_else(|| self.named_in_any_case(name));
+        named(name).or_else(|| named(last)).or_else(|| named(&format!("textures/{last}")))
+    }
+
+    /// The plain file of a name of which any letter may be small or capital.
+    fn named_in_any_case(&self, name: &str) -> Option<PathBuf> {
+        let wanted = file::beside(self.folder, &self.below, unquoted(name).replace('\\', "/")).ok()?;
+        let parts = wanted.strip_prefix(self.folder).ok()?.components();
+        let path = parts.into_iter().try_fold(self.folder.to_owned(), |folder, part| {
+            let wanted = part.as_os_str().to_string_lossy().to_lowercase();
+            let is_it = |path: &PathBuf| {
+                path.file_name().is_some_and(|name| name.to_string_lossy().to_lowercase() == wanted)
+            };
+            let here = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
+            std::fs::read_dir(here)
+                .ok()?
+                .flatten()
+                .map(|entry| folder.join(entry.file_name()))
+                .filter(is_it)
+                .min()
+        });
+        path.filter(|path| path.is_file())
     }
 }
 
@@ -57,6 +79,13 @@ mod tests {
         }
         for name in ["C:\\Users\\x\\t.png", "C:/Users/x/t.png", "/home/x/t.png"] {
             assert_eq!(files.called(name), Some(folder.join("mtl/t.png")), "{name}");
+        }
+        for name in ["T.png", "C:\\x\\T.PNG", "../MTL/T.png"] {
+            assert_eq!(
+                (files.named(name), files.called(name)),
+                (None, Some(folder.join("mtl/t.png"))),
+                "{name}"
+            );
         }
         assert_eq!(files.called("../../u.png"), Some(folder.join("mtl/textures/u.png")));
         assert_eq!([files.called("../../outside.png"), files.called("x/..")], [None, None]);

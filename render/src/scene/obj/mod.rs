@@ -60,7 +60,32 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     Ok(Scene { name, meshes, materials, textures, warnings, ..Scene::default() })
 }
 
-/// Text of a file; what is no UTF-8 in it, as names in older encodings, is replaced.
+/// Text of a file: UTF-16 where it begins with that one's byte order mark, else UTF-8. What is neither, as
+/// names in older encodings, is replaced.
 fn text(bytes: &[u8]) -> Cow<'_, str> {
-    String::from_utf8_lossy(bytes)
+    let of = |rest: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = rest.as_chunks().0.iter().map(|pair| unit(*pair)).collect();
+        Cow::Owned(String::from_utf16_lossy(&units))
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => of(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => of(rest, u16::from_be_bytes),
+        _ => String::from_utf8_lossy(bytes),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_read_in_the_encoding_that_its_mark_names() {
+        let said = "usemtl röd\nf 1 2 3\n";
+        let little: Vec<u8> =
+            "\u{feff}usemtl röd\nf 1 2 3\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> =
+            "\u{feff}usemtl röd\nf 1 2 3\n".encode_utf16().flat_map(u16::to_be_bytes).collect();
+        assert_eq!([text(said.as_bytes()), text(&little), text(&big)], [said; 3]);
+        assert_eq!(text(b"r\xf6d"), "r\u{fffd}d");
+    }
 }
