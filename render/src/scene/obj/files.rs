@@ -36,8 +36,8 @@ impl<'a> Files<'a> {
     /// The plain file of a name of which any letter may be small or capital.
     fn named_in_any_case(&self, name: &str) -> Option<PathBuf> {
         let wanted = file::beside(self.folder, &self.below, unquoted(name).replace('\\', "/")).ok()?;
-        let parts = wanted.strip_prefix(self.folder).ok()?.components();
-        let path = parts.into_iter().try_fold(self.folder.to_owned(), |folder, part| {
+        let mut parts = wanted.strip_prefix(self.folder).ok()?.components();
+        let path = parts.try_fold(self.folder.to_owned(), |folder, part| {
             let wanted = part.as_os_str().to_string_lossy().to_lowercase();
             let is_it = |path: &PathBuf| {
                 path.file_name().is_some_and(|name| name.to_string_lossy().to_lowercase() == wanted)
