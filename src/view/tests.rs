@@ -37,8 +37,8 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// With more options, as soon as there is a picture or a reason why there is none: what comes for the first
-    /// time moves the controls below it, and a click would miss them.
+    /// With more options, as soon as there is a picture or a reason why there is none. What comes for the
+    /// first time moves the controls below it, and a click would miss them.
     pub fn new(line: &str) -> Self {
         let mut opened = Self::at_once(line);
         let shows = |window: &Window| window.results.picture.is_some() || window.messages.first().is_some();

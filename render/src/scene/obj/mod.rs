@@ -81,10 +81,9 @@ mod tests {
     #[test]
     fn text_is_read_in_the_encoding_that_its_mark_names() {
         let said = "usemtl röd\nf 1 2 3\n";
-        let little: Vec<u8> =
-            "\u{feff}usemtl röd\nf 1 2 3\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-        let big: Vec<u8> =
-            "\u{feff}usemtl röd\nf 1 2 3\n".encode_utf16().flat_map(u16::to_be_bytes).collect();
+        let marked = format!("\u{feff}{said}");
+        let little: Vec<u8> = marked.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = marked.encode_utf16().flat_map(u16::to_be_bytes).collect();
         assert_eq!([text(said.as_bytes()), text(&little), text(&big)], [said; 3]);
         assert_eq!(text(b"r\xf6d"), "r\u{fffd}d");
     }
