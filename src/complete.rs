@@ -15,7 +15,7 @@ use deepshade_infer::TrainedUnder;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{Camera, Environment, Lens, Look, Medium};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::{LitBy, Setting};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -81,7 +81,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
         added.push(format!("no material lets light in: all do, with mean free paths of {metres:.4} m"));
     }
-    let foggy = matches!(effect, Effect::FogDirect | Effect::FogIndirect | Effect::FogMultiple);
+    let foggy = effect.needs("fog");
     if let Some(medium) = additions.medium(scene, wants.time)? {
         look.medium = Some(Arc::new(medium));
     } else if foggy && look.medium.is_none() {
@@ -97,7 +97,9 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     {
         added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
-    if matches!(effect, Effect::Phosphor | Effect::PhosphorGi) || additions.phosphor.is_some() {
+    // Of all light, phosphor is a part that may be missing.
+    let glows = effect.is_lit_by_lamps_alone() && effect.listens_to(Setting::Phosphor);
+    if glows || additions.phosphor.is_some() {
         let lit = scene.with_look(look.clone())?;
         let (glow, said) = additions.glow(lit.scene(), wants.time)?;
         look.glow = Some(Arc::new(glow));
@@ -109,10 +111,10 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         }
     }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
-    if effect == Effect::MotionBlur && still && !wants.animated {
+    if effect.needs("motion") && still && !wants.animated {
         added.push("nothing in the scene moves: the picture is of a still scene".to_owned());
     }
-    if additions.aperture.is_some() || matches!(effect, Effect::Dof | Effect::Multi) {
+    if additions.aperture.is_some() || effect.needs("lens") {
         camera.lens = Some(lens(scene, &camera, wants, &mut added)?);
     } else {
         ensure!(additions.focus.is_none(), "--focus means nothing to {effect} without --aperture");
@@ -131,7 +133,7 @@ fn add_light(
     look: &mut Look,
     added: &mut Vec<String>,
 ) {
-    let by_sky = matches!(wants.effect, Effect::Do | Effect::Ibl);
+    let by_sky = wants.effect.lit_by() == LitBy::Environment;
     if by_sky {
         sky::add(look, wants, added);
     }
@@ -140,7 +142,7 @@ fn add_light(
     } else {
         look.environment.is_none() && scene.scene().is_dark()
     };
-    if dark && !by_sky && wants.effect != Effect::Ao {
+    if dark && !by_sky && wants.effect.lit_by() != LitBy::Nothing {
         let lamp = Lamp::of_view(scene, camera, wants.size, wants.seed);
         look.lights.push(lamp.light());
         let Lamp { position, intensity } = lamp;

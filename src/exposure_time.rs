@@ -59,7 +59,7 @@ impl Args {
         self.check(effect)?;
         let load = |source: &SceneSource| {
             let scene = match source {
-                SceneSource::File(path) if effect == Effect::MotionBlur => {
+                SceneSource::File(path) if effect.listens_to(Setting::Shutter) => {
                     Scene::load_moving(path, self.time(), self.shutter())
                 }
                 source => source.scene(self.time()),

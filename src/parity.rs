@@ -162,7 +162,7 @@ struct ExportedModel<'a> {
 /// What is put into a network.
 #[derive(Clone, Copy)]
 enum Image {
-    /// Numbers of rms 1; into half floats too where that is said.
+    /// What [`parity::noise_for`] makes; into half floats too where that is said.
     Noise { half: bool },
     /// What the network reads of a room.
     Frame,
@@ -171,7 +171,7 @@ enum Image {
 impl Image {
     fn input(self, spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
         match self {
-            Self::Noise { .. } => Ok(parity::noise(spec.input_channels(), size[0], size[1], 2)),
+            Self::Noise { .. } => Ok(parity::noise_for(spec, size, 2)),
             Self::Frame => frame::input(spec, size),
         }
     }

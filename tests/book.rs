@@ -132,9 +132,14 @@ fn every_command_has_its_row_in_the_chapter_of_commands() {
     assert!(missing.is_empty(), "{missing:?}");
 }
 
+/// The row of an effect in the README.
+fn row_of(readme: &str, effect: Effect) -> &str {
+    readme.lines().find(|line| line.starts_with(&format!("| `{effect}` | "))).expect("a row")
+}
+
 #[test]
 fn every_effect_is_explained_and_every_method_named_beside_its_effect() {
-    let (effects, table) = (text("effects.md"), text("methods.md"));
+    let (effects, table, readme) = (text("effects.md"), text("methods.md"), text("../../README.md"));
     for effect in Effect::ALL {
         assert!(row(&effects, effect.name()).is_some(), "{effect}");
         let row = row(&table, effect.name()).expect("a row of methods");
@@ -143,6 +148,10 @@ fn every_effect_is_explained_and_every_method_named_beside_its_effect() {
         let there: BTreeSet<&str> =
             there.iter().map(String::as_str).filter(|name| *name != "truth").collect();
         assert_eq!(named.iter().copied().collect::<BTreeSet<_>>(), there, "{effect}");
+        let analytic: Vec<&str> = named.into_iter().filter(|name| *name != "learned").collect();
+        let cell = row_of(&readme, effect).rsplit('|').nth(1).expect("a column of methods");
+        let in_readme: Vec<&str> = cell.split('`').skip(1).step_by(2).collect();
+        assert_eq!(in_readme, analytic, "{effect} in README.md");
         for method in there.iter().filter(|name| **name != "learned") {
             let explained =
                 chapters().values().any(|chapter| chapter.contains(&format!("\n### `{method}`\n")));

@@ -38,7 +38,7 @@ pub struct PlannedView {
     pub index: usize,
     /// A name that no other view of the recipe has; fit for a file name.
     pub name: String,
-    /// Seed of its samples.
+    /// Seed of its samples and of all that is drawn for it but its camera.
     pub seed: u32,
     /// Whether it is held apart for validation; never in a recipe for testing.
     pub held_apart: bool,

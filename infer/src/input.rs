@@ -1,9 +1,9 @@
-//! From a g-buffer to what a network reads, and from what it makes to an effect's image: the one place where
-//! radius and background are dealt with, for training and for every way of running.
+//! From a g-buffer to what a network reads, and from what it makes to an effect's image, in plain Rust: for
+//! training, and where the processor runs a network. Radius and background are dealt with here.
 //!
-//! A renderer that keeps its g-buffer on the GPU does the same there, before and after
-//! [`Plan::encode`](crate::Plan::encode): with [`InputPasses`](crate::forward::InputPasses) and
-//! [`ImagePass`](crate::forward::ImagePass), or in passes of its own.
+//! [`InputPasses`](crate::forward::InputPasses) and [`ImagePass`](crate::forward::ImagePass) do the same on
+//! the GPU, before and after [`Plan::encode`](crate::Plan::encode). Estimates are attributes of the g-buffer
+//! by then: the crate of the methods makes them.
 
 mod made;
 
@@ -163,8 +163,8 @@ const MEAN_FREE_PATHS: i32 = 5;
 /// The unit of an attribute's numbers, but for a movement's direction.
 const fn unit(attribute: Attribute) -> Unit {
     use Attribute::{
-        Blurriness, CircleOfConfusion, Depth, DiffuseLight, Emission, FocalDistance, Light, MeanFreePath,
-        Motion, Position,
+        Blurriness, CircleOfConfusion, Depth, DiffuseLight, Emission, FocalDistance, IndirectLight, Light,
+        MeanFreePath, Motion, Position,
     };
     let (scale, exponent) = match attribute {
         Position | Depth | FocalDistance => (Scale::Length, 0),
@@ -172,7 +172,7 @@ const fn unit(attribute: Attribute) -> Unit {
         // Metres times pixels; over depth it is pixels again.
         Blurriness => (Scale::Length, PIXELS),
         CircleOfConfusion | Motion => (Scale::One, PIXELS),
-        Light | DiffuseLight | Emission => (Scale::Light, 0),
+        Light | DiffuseLight | IndirectLight | Emission => (Scale::Light, 0),
         _ => (Scale::One, 0),
     };
     Unit { scale, exponent }

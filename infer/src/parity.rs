@@ -1,7 +1,7 @@
 //! Whether two implementations of the same network agree: the one comparator of the project.
 
 use crate::model::file;
-use crate::{ModelError, NetSpec};
+use crate::{Head, ModelError, NetSpec};
 use deepshade_shaders::{Planes, random::random};
 use std::path::Path;
 
@@ -106,6 +106,22 @@ pub fn noise(channels: usize, height: usize, width: usize, seed: u32) -> Planes 
     })
 }
 
+/// Noise that a network may be given, `[input channels, height, width]`: estimates lie within the effect's
+/// range, as methods make them. The correction cuts its image to that range, so that errors would else be
+/// held against an image smaller than what was added up.
+pub fn noise_for(spec: &NetSpec, [height, width]: [usize; 2], seed: u32) -> Planes {
+    let mut noise = noise(spec.input_channels(), height, width, seed);
+    if let Head::Correction(correction) = spec.head {
+        let [least, most] = spec.effect.range();
+        let spread = if most.is_finite() { (most - least) / (2.0 * 3f32.sqrt()) } else { 1.0 };
+        for channel in [correction.of, correction.over].map(|read| spec.channels_of(read)).concat() {
+            let plane = &mut noise.data_mut()[channel * height * width..][..height * width];
+            plane.iter_mut().for_each(|value| *value = least + spread * (*value + 3f32.sqrt()));
+        }
+    }
+    noise
+}
+
 /// An input of a trained network and what the network made of it when it was exported: `parity.safetensors`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parity {
@@ -155,7 +171,8 @@ impl Parity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ChannelOrder, Reach};
+    use crate::{ChannelOrder, Correction, Reach};
+    use deepshade_shaders::{Attribute, Effect};
 
     fn spec() -> NetSpec {
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
@@ -211,6 +228,23 @@ mod tests {
         let dim = Planes::filled(1, 1, 3, 0.01);
         let near = Planes::filled(1, 1, 3, 0.0109);
         assert!(Comparison::within(&dim, &near, tolerance).agrees(), "of 1 at least");
+    }
+
+    #[test]
+    fn noise_for_a_correction_has_estimates_within_the_range() {
+        let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
+        let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
+        let inputs = vec![Attribute::Normal, of, over];
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, reach);
+        let made = noise_for(&spec, [16, 24], 2);
+        assert!(made.plane(0).iter().any(|value| *value < 0.0), "a normal's component");
+        for channel in [3, 4] {
+            let plane = made.plane(channel);
+            let [least, most] = [f32::min, f32::max].map(|of| plane.iter().copied().reduce(of));
+            assert!(least >= Some(0.0) && least < Some(0.05), "{least:?}");
+            assert!(most <= Some(1.0) && most > Some(0.95), "{most:?}");
+        }
     }
 
     #[test]

@@ -143,7 +143,7 @@ impl NetSpec {
             }
             _ => return None,
         };
-        let correction = Correction { of, over, levels: 2, kernel: 3 };
+        let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
         Some(Self::correcting(effect, inputs, vec![estimate], correction, channels, reach))
     }
 

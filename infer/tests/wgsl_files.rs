@@ -202,7 +202,7 @@ fn correcting() -> NetSpec {
     let inputs = vec![Attribute::Normal, Attribute::Openness, Attribute::RawOpenness];
     let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
     let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
-    let correction = Correction { of, over, levels: 2, kernel: 3 };
+    let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
     NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, reach)
 }
 

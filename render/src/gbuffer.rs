@@ -97,6 +97,7 @@ impl Seen<'_> {
             // Nothing that a scene has.
             Attribute::Openness
             | Attribute::RawOpenness
+            | Attribute::IndirectLight
             | Attribute::Relief
             | Attribute::PixelRadius
             | Attribute::Border => Vec3::ZERO,

@@ -70,6 +70,8 @@ pub enum Attribute {
     Openness,
     /// The same before the method's blur.
     RawOpenness,
+    /// Diffuse indirect light, irradiance over pi, as a cheap method estimates it.
+    IndirectLight,
     /// Depth against its means over some pixels, over the effect's radius, compressed to (-1, 1). It follows
     /// from `Position` and the radius, as the next two do.
     Relief,
@@ -102,9 +104,15 @@ impl Attribute {
         Self::Valid,
     ];
 
-    /// What is made of a g-buffer for a network to read: no renderer gives it, and no file holds it.
-    pub const MADE: [Self; 5] =
-        [Self::Openness, Self::RawOpenness, Self::Relief, Self::PixelRadius, Self::Border];
+    /// What is made of a g-buffer for a network to read: no renderer gives it.
+    pub const MADE: [Self; 6] = [
+        Self::Openness,
+        Self::RawOpenness,
+        Self::IndirectLight,
+        Self::Relief,
+        Self::PixelRadius,
+        Self::Border,
+    ];
 
     /// The layer's name in an EXR file.
     pub const fn name(self) -> &'static str {
@@ -129,6 +137,7 @@ impl Attribute {
             Self::Valid => "valid",
             Self::Openness => "openness",
             Self::RawOpenness => "raw_openness",
+            Self::IndirectLight => "indirect_light",
             Self::Relief => "relief",
             Self::PixelRadius => "pixel_radius",
             Self::Border => "border",
@@ -145,7 +154,8 @@ impl Attribute {
             | Self::MeanFreePath
             | Self::Light
             | Self::DiffuseLight
-            | Self::Emission => AttributeKind::Colour,
+            | Self::Emission
+            | Self::IndirectLight => AttributeKind::Colour,
             Self::Motion => AttributeKind::Motion,
             Self::Depth
             | Self::FocalDistance

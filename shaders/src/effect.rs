@@ -115,7 +115,7 @@ impl Effect {
 
     /// Whether it shows light of lamps alone: see [`LitBy::Lamps`].
     pub fn is_lit_by_lamps_alone(self) -> bool {
-        self.definition().lit_by == LitBy::Lamps
+        self.lit_by() == LitBy::Lamps
     }
 
     /// The image of whoever computes nothing, `[channels, height, width]`: see [`DoingNothing`].
@@ -126,6 +126,16 @@ impl Effect {
     /// What its pairs hold: see [`Definition::attributes`].
     pub const fn attributes(self) -> &'static [Attribute] {
         self.definition().attributes
+    }
+
+    /// Whether it is nothing without a key of a recipe's table `vary`: see [`Definition::needs`].
+    pub fn needs(self, key: &str) -> bool {
+        self.definition().needs == Some(key)
+    }
+
+    /// Which light it shows.
+    pub const fn lit_by(self) -> LitBy {
+        self.definition().lit_by
     }
 
     /// Whether a setting changes it.

@@ -18,6 +18,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::method::Repeats;
 use deepshade_render::scene::{Density, SceneSource};
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use std::path::Path;
 
 /// A scene at a moment, with what is put into it.
@@ -57,7 +58,7 @@ pub struct Planned {
 impl Stage {
     fn of(run: &Run, source: &SceneSource, effect: Effect) -> Self {
         let (source, props, moment) = (source.clone(), run.props(), run.moment(effect));
-        Self { source, props, moment, moving: effect == Effect::MotionBlur }
+        Self { source, props, moment, moving: effect.listens_to(Setting::Shutter) }
     }
 
     fn load(&self) -> Result<TracedScene> {

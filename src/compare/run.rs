@@ -16,6 +16,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::path::Goal;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -222,7 +223,7 @@ impl Run {
 
     /// The moment, for an effect.
     pub fn moment(&self, effect: Effect) -> exposure_time::Args {
-        let shutter = self.shutter.filter(|_| effect == Effect::MotionBlur);
+        let shutter = self.shutter.filter(|_| effect.listens_to(Setting::Shutter));
         exposure_time::Args::new(self.time, shutter)
     }
 

@@ -12,6 +12,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::past;
 use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::Setting;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -75,7 +76,7 @@ impl PreparedScene {
             space,
             rigged: rigged(&staged.animated),
             animated: staged.animated,
-            shutter: if effect == Effect::MotionBlur { args.shutter() } else { 0.0 },
+            shutter: if effect.listens_to(Setting::Shutter) { args.shutter() } else { 0.0 },
             traced: Mutex::new(None),
         })
     }

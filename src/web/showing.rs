@@ -16,6 +16,7 @@ use deepshade_render::metrics::{Scores, exposure};
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Estimate, Refinement, Shot, Taken};
 use deepshade_render::scene::{Camera, Glow, SceneSource};
+use deepshade_shaders::effect::Setting;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use serde::{Deserialize, Serialize};
@@ -136,7 +137,7 @@ impl Sight {
     /// # Errors
     /// If there is no such scene.
     pub fn new(wish: &Wish, staged: &Staged, time: f32, radius: f32) -> Result<Self> {
-        let shutter = if wish.effect == Effect::MotionBlur { wish.shutter() } else { 0.0 };
+        let shutter = if wish.effect.listens_to(Setting::Shutter) { wish.shutter() } else { 0.0 };
         let mut scene = staged.animated.at(time, shutter)?;
         let glow = staged.animated.scene.glow.as_deref();
         scene.glow = glow.map(|glow| Arc::new(Glow { moment: time, ..glow.clone() }));

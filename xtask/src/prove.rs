@@ -4,6 +4,7 @@ mod comparison;
 
 use crate::command::{self, cargo, target};
 use crate::figures;
+use crate::test::FEATURES;
 use anyhow::{Context, Result, ensure};
 use comparison::Comparison;
 use serde_json::{Value, json};
@@ -12,7 +13,8 @@ use std::path::{Path, PathBuf};
 
 /// The tests that prove: those of the integrators of truth and what they share. Built as all tests are, so
 /// that a machine holds one build of the dependencies.
-const TESTS: [&str; 7] = ["test", "--release", "--locked", "--workspace", "--lib", "--", "path::"];
+const TESTS: [&str; 9] =
+    ["test", "--release", "--locked", "--workspace", "--features", FEATURES, "--lib", "--", "path::"];
 
 /// Tells the tests where to write what they compare.
 const FILE: &str = "DEEPSHADE_PROOFS";

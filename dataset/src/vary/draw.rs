@@ -6,6 +6,7 @@ use crate::views;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{Camera, Lens};
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::LitBy;
 use serde::{Deserialize, Serialize};
 
 /// What an image was given beside what its scene brings; its lens belongs to its camera.
@@ -45,7 +46,7 @@ pub(crate) mod purpose {
 
 /// Whether an effect shows light that lamps may be the source of.
 const fn shows_lamps(effect: Effect) -> bool {
-    !matches!(effect, Effect::Ao | Effect::Do | Effect::Ibl)
+    !matches!(effect.lit_by(), LitBy::Nothing | LitBy::Environment)
 }
 
 /// What an image of a scene gets from its seed: a lens, and the rest. `None` where nothing is varied.

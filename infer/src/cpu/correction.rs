@@ -18,6 +18,7 @@ pub fn corrected(spec: &NetSpec, correction: Correction, input: &Planes, made: &
         level: spec.last_level(),
         estimate: &estimate,
         pyramid: pyramid.as_ref(),
+        gain: correction.gain.then(|| estimate.channels() + correction.filter().tap_count()),
         made,
     };
     let (height, width) = (input.height(), input.width());
@@ -31,6 +32,8 @@ struct Row<'a> {
     level: usize,
     estimate: &'a Planes,
     pyramid: Option<&'a Light>,
+    /// Which channel of a pixel is the gain.
+    gain: Option<usize>,
     made: &'a Planes,
 }
 
@@ -53,6 +56,17 @@ impl Row<'_> {
                     image[x] += weights[x] * (there[x] - begun[x]);
                 }
             });
+        }
+        if let Some(gain) = self.gain {
+            unfold_row(self.made, self.level, gain, y, &mut weights);
+            for channel in 0..channels {
+                let image = &mut image[channel * width..][..width];
+                image
+                    .iter_mut()
+                    .zip(begun(channel))
+                    .zip(&weights)
+                    .for_each(|((image, begun), gain)| *image += gain * begun);
+            }
         }
         let [least, most] = self.range;
         image.iter_mut().for_each(|value| *value = value.clamp(least, most));

@@ -52,7 +52,8 @@ pub fn of(spec: &NetSpec) -> Option<Head> {
         spec::Head::Filter(filter) => (HeadKind::Filter { black: filter.black }, filter),
         spec::Head::Correction(correction) => {
             let estimate = first(spec.channels_of(correction.of));
-            (HeadKind::Correction { estimate, range: spec.effect.range() }, correction.filter())
+            let kind = HeadKind::Correction { estimate, gain: correction.gain, range: spec.effect.range() };
+            (kind, correction.filter())
         }
     };
     let [levels, kernel] = [levels, kernel].map(|number| number as u32);

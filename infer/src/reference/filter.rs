@@ -17,7 +17,7 @@ pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
 }
 
 /// The image, `[channels, height, width]`, of an estimate of that shape, of what its pyramid is of, padded,
-/// and of what the last block makes of the image's pixels, `[channels + taps, height, width]`.
+/// and of what the last block makes of the image's pixels, `[channels + weights, height, width]`.
 pub fn corrected(
     correction: Correction,
     [least, most]: [f32; 2],
@@ -34,7 +34,8 @@ pub fn corrected(
             made.at(biases + index, y, x) * (there - begun)
         };
         let sum: f32 = correction.taps().enumerate().map(tap).sum();
-        (begun + made.at(c, y, x) + sum).clamp(least, most)
+        let gain = if correction.gain { made.at(made.channels() - 1, y, x) } else { 0.0 };
+        (begun + made.at(c, y, x) + sum + gain * begun).clamp(least, most)
     })
 }
 

@@ -128,7 +128,7 @@ fn unfolding_undoes_folding() {
 #[test]
 fn a_correction_of_nothing_is_the_estimate_and_one_of_a_tap_brings_it_there() {
     let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
-    let correction = Correction { of, over, levels: 2, kernel: 3 };
+    let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
     let inputs = vec![Attribute::Normal, of, over];
     let spec = NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH);
     let mut weights = Weights::random(&spec, 1);

@@ -21,12 +21,12 @@ pub enum Head {
 /// An estimate E of the image, of which the last block makes a better one: of every colour channel
 ///
 /// ```text
-/// image = E + bias + sum over taps t of w(t) * (S(t) - E)
+/// image = E + bias + gain * E + sum over taps t of w(t) * (S(t) - E)
 /// ```
 ///
 /// within the effect's range, where S(t) are pixels of a pyramid of `over`, laid out and read as those of a
 /// [`Filter`]. Weights that are 0 leave the estimate as it is. The last block makes the bias of each channel,
-/// then the weights, which all channels share.
+/// then the weights and the gain, which all channels share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {
@@ -38,12 +38,20 @@ pub struct Correction {
     pub levels: usize,
     /// Width and height of the kernel on every level; odd.
     pub kernel: usize,
+    /// Whether there is a gain, for light: what hides a share of it hides that of bright and of dim light.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub gain: bool,
 }
 
 impl Correction {
     /// The taps, as those of a filter.
     pub const fn filter(&self) -> Filter {
         Filter { levels: self.levels, kernel: self.kernel, black: false }
+    }
+
+    /// Number of weights that a pixel has: one a tap, and the gain.
+    pub const fn weight_count(&self) -> usize {
+        self.filter().tap_count() + self.gain as usize
     }
 
     /// The taps in the order of their weights.
@@ -77,7 +85,7 @@ impl NetSpec {
         match self.head {
             Head::Image => self.output_channels(),
             Head::Filter(filter) => filter.weight_count(),
-            Head::Correction(correction) => self.output_channels() + correction.filter().tap_count(),
+            Head::Correction(correction) => self.output_channels() + correction.weight_count(),
         }
     }
 

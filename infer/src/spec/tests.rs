@@ -7,8 +7,13 @@ const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 fn correcting() -> NetSpec {
     let inputs = vec![Attribute::Normal, Attribute::Openness, Attribute::RawOpenness];
     let estimates = vec![Estimate { method: "gtao".to_owned(), quality: "high".to_owned() }];
-    let correction =
-        Correction { of: Attribute::Openness, over: Attribute::RawOpenness, levels: 2, kernel: 3 };
+    let correction = Correction {
+        of: Attribute::Openness,
+        over: Attribute::RawOpenness,
+        levels: 2,
+        kernel: 3,
+        gain: false,
+    };
     NetSpec::correcting(Effect::Ao, inputs, estimates, correction, 24, REACH)
 }
 

@@ -21,6 +21,8 @@ pub enum HeadKind {
     Correction {
         /// Which of the network's input channels the estimate begins with.
         estimate: u32,
+        /// Whether the last weight is a gain.
+        gain: bool,
         /// The least and the greatest number of the image.
         range: [f32; 2],
     },
@@ -50,7 +52,7 @@ impl Head {
         match self.kind {
             HeadKind::Unfold => self.channels,
             HeadKind::Filter { black } => taps + black as u32,
-            HeadKind::Correction { .. } => self.channels + taps,
+            HeadKind::Correction { gain, .. } => self.channels + taps + gain as u32,
         }
     }
 
@@ -105,11 +107,13 @@ impl Head {
     /// The pass that makes the image, in planes or in a texture.
     pub fn image(&self, writing: Writing) -> String {
         let black = matches!(self.kind, HeadKind::Filter { black: true });
+        let gain = matches!(self.kind, HeadKind::Correction { gain: true, .. });
         let constants = [
             ("CHANNELS", self.channels),
             ("LEVELS", self.levels),
             ("KERNEL", self.kernel),
             ("BLACK", u32::from(black)),
+            ("GAIN", u32::from(gain)),
             ("COUNT", self.count()),
             ("SQUARE", self.square),
         ];
@@ -156,8 +160,8 @@ pub(super) mod tests {
         let kinds = [
             HeadKind::Filter { black: false },
             HeadKind::Filter { black: true },
-            HeadKind::Correction { estimate: 0, range: [0.0, 1.0] },
-            HeadKind::Correction { estimate: 0, range: [0.0, f32::INFINITY] },
+            HeadKind::Correction { estimate: 0, gain: false, range: [0.0, 1.0] },
+            HeadKind::Correction { estimate: 0, gain: true, range: [0.0, f32::INFINITY] },
             HeadKind::Unfold,
         ];
         let mut heads = Vec::new();

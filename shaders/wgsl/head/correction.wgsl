@@ -1,5 +1,6 @@
-// The image of a network that corrects an estimate: a bias of each channel and a weighted sum of how far
-// pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
+// The image of a network that corrects an estimate: a bias of each channel, a weighted sum of how far pixels
+// of a pyramid are from the estimate, and a gain where there is one, within the effect's range. Of what a
+// tile keeps.
 
 #import head/pyramid
 
@@ -18,6 +19,9 @@ fn image_at(pixel: vec2<u32>) -> vec4<f32> {
             image += weight * (between(level, offset_of(tap)) - begun);
         }
         first += CHANNELS * u32(level.size.x * level.size.y);
+    }
+    if GAIN == 1u {
+        image += made_by_net(COUNT - 1u, pixel) * begun;
     }
     return clamp(image, vec4(LEAST), vec4(MOST));
 }

@@ -1,5 +1,6 @@
 // Direct light of surfels, with shadows by the lights' maps (thesis 4.3, "One-bounce Indirect Illumination"),
-// in a buffer of its own: `sent_of` says what is kept of it.
+// in a buffer of its own. `reflected`, `received` and `dimmed` import it, and bring `sent_of` and
+// `passed_share`: what is kept of the light, and what a medium lets through.
 
 #import shared/lights
 #import shared/shadow

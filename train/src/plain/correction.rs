@@ -10,12 +10,15 @@ use deepshade_infer::Correction;
 ///
 /// # Shapes
 /// `estimate` and `over` `[batch, channels, height, width]`, `made`
-/// `[batch, channels + taps, height, width]`, to `[batch, channels, height, width]`.
+/// `[batch, channels + weights, height, width]`, to `[batch, channels, height, width]`.
 pub fn corrected(correction: Correction, estimate: Tensor<4>, over: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
     let [_, channels, _, _] = estimate.dims();
     let bias = made.clone().narrow(1, 0, channels);
-    let begun = estimate.clone() + bias;
     let count = correction.filter().tap_count();
+    let mut begun = estimate.clone() + bias;
+    if correction.gain {
+        begun = begun + estimate.clone() * made.clone().narrow(1, channels + count, 1);
+    }
     if count == 0 {
         return begun;
     }

@@ -1,4 +1,4 @@
-//! [`super::smooth`] of an image of one channel, for as many neighbouring pixels as a vector has lanes.
+//! [`super::smooth`], for as many neighbouring pixels as a vector has lanes.
 
 use super::{Surface, uniforms};
 use crate::methods::vectors::Lanes;
@@ -6,7 +6,7 @@ use deepshade_shaders::{Planes, shows_surface};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-/// The blur of `image`, `[1, height, width]`, along rows, and of that along columns.
+/// The blur of `image`, `[channels, height, width]`, along rows, and of that along columns.
 pub fn smooth(surface: &Surface, [rows, columns]: &[uniforms::Blur; 2], image: &Planes) -> [Planes; 2] {
     let kinds = kinds(surface);
     let along_rows = along(surface, &kinds, rows, image);
@@ -22,10 +22,13 @@ fn kinds(surface: &Surface) -> Vec<f32> {
 
 fn along(surface: &Surface, kinds: &[f32], blur: &uniforms::Blur, noisy: &Planes) -> Planes {
     let (height, width) = (surface.height, surface.width);
-    let mut image = vec![blur.background; height * width];
+    let mut image = vec![blur.background; noisy.channels() * height * width];
     let rows = image.par_chunks_mut(width.max(1)).enumerate();
-    rows.for_each(|(y, out)| Arch::new().dispatch(Row { surface, kinds, blur, noisy: noisy.data(), y, out }));
-    Planes::from_data(1, height, width, image)
+    rows.for_each(|(row, out)| {
+        let (noisy, y) = (noisy.plane(row / height), row % height);
+        Arch::new().dispatch(Row { surface, kinds, blur, noisy, y, out });
+    });
+    Planes::from_data(noisy.channels(), height, width, image)
 }
 
 /// A row of the blurred image.

@@ -81,11 +81,11 @@ impl Technique for RingGatherParameters {
             MethodStep::bind(device, &pass, workgroups, &[&[settings], reads].concat(), writes)
         };
         let [shrink, tiles, neighbours, gather, combine] = [
-            Shader::at("methods/ring_gather/shrink"),
-            Shader::at("methods/ring_gather/tiles"),
-            Shader::at("methods/ring_gather/neighbours"),
-            Shader::at("methods/ring_gather/gather"),
-            Shader::at("methods/ring_gather/combine"),
+            Shader::at("methods/ring-gather/shrink"),
+            Shader::at("methods/ring-gather/tiles"),
+            Shader::at("methods/ring-gather/neighbours"),
+            Shader::at("methods/ring-gather/gather"),
+            Shader::at("methods/ring-gather/combine"),
         ];
         let seen = to.seen([Attribute::Light, Attribute::Valid, Attribute::Depth, Attribute::Blurriness]);
         Ok(vec![

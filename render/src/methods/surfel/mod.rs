@@ -37,6 +37,7 @@ pub mod passes;
 pub mod reference;
 pub mod scattering;
 pub mod shells;
+pub mod splat;
 #[cfg(test)]
 mod tests;
 

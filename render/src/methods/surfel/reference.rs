@@ -118,19 +118,30 @@ fn shell_sum<const CHANNELS: usize>(
         return [0.0; CHANNELS];
     }
     let receiver = Receiver { pixel: at, normal: surface.normal_at(at) };
-    let (position, reach) = (surface.position_at(at), level.reach.min((shade.reach)(at)));
+    let position = surface.position_at(at);
     let its = disks.iter().skip(sub_buffer as usize).step_by(1 << (2 * level.level));
-    let does = |disk: &Disk| {
-        let (way, reaches) = (disk.place - position, disk.radius);
-        let outer = if level.last == 1 { reach } else { reach.min(reaches * level.farthest) };
-        let distance = way.length_squared();
-        let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
-        if inside { (shade.of)(disk, level.stands_for, way, receiver) } else { [0.0; CHANNELS] }
-    };
-    its.map(does).fold([0.0; CHANNELS], plus).map(|sum| sum * level.stands_for)
+    let sum = its.map(|disk| done(disk, position, receiver, shade, level)).fold([0.0; CHANNELS], plus);
+    sum.map(|sum| sum * level.stands_for)
 }
 
-fn plus<const CHANNELS: usize>(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; CHANNELS] {
+/// What a disk does to a pixel on a level: nothing outside its shell.
+pub fn done<const CHANNELS: usize>(
+    disk: &Disk,
+    position: Vec3,
+    receiver: Receiver,
+    shade: Shade<'_, CHANNELS>,
+    level: &uniforms::SplatLevel,
+) -> [f32; CHANNELS] {
+    let (way, reaches) = (disk.place - position, disk.radius);
+    let reach = level.reach.min((shade.reach)(receiver.pixel));
+    let outer = if level.last == 1 { reach } else { reach.min(reaches * level.farthest) };
+    let distance = way.length_squared();
+    let inside = distance >= (reaches * level.nearest).powi(2) && distance < outer * outer;
+    if inside { (shade.of)(disk, level.stands_for, way, receiver) } else { [0.0; CHANNELS] }
+}
+
+/// The sum of two.
+pub fn plus<const CHANNELS: usize>(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; CHANNELS] {
     std::array::from_fn(|channel| a[channel] + b[channel])
 }
 

@@ -6,7 +6,7 @@ mod scattering;
 
 use super::indirect::INDIRECT;
 use super::reference::{self, LIGHT, brute_force, form_factor, level_sums, openness};
-use super::{MOST_LEVELS, SurfelParameters, occlusion, shells};
+use super::{MOST_LEVELS, SurfelParameters, occlusion, shells, splat};
 use crate::method::{Frame, Method, Repeats};
 use crate::methods::disks::{Disks, Plain};
 use crate::methods::proving::beyond::{
@@ -192,6 +192,42 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
         let plain = Plain { gbuffer, surface, scene, environment: None, parameters: &parameters, view };
         let right = (occlusion::OCCLUSION.plain)(&plain, &disks).expect("attributes");
         assert_eq!(agree(&image, &right, tolerance), Ok(()), "{family:?}");
+        prove_comparator(&right, tolerance);
+    }
+}
+
+#[test]
+fn splats_on_the_processor_are_the_plain_version() {
+    for (family, [height, width], levels, radius) in [
+        (Family::StillLife, [43, 61], 4, 1.0),
+        (Family::Room, [64, 48], 1, 0.3),
+        (Family::Shelves, [37, 83], 6, 3.0),
+    ] {
+        let (scene, view, gbuffer) = seen(family, height, width);
+        let view = View { radius: radius * view.radius, seed: 9, ..view };
+        let parameters = SurfelParameters { levels, ..SurfelParameters::of(Quality::Low) };
+        let lit = Some(surfels::Lit::Reflected);
+        let disks = surfels::reference::laid(&scene, &parameters.surfels, &view, lit);
+        assert!(disks.iter().any(|disk| disk.sent != [Vec3::ZERO; 2]), "{family:?}");
+        let surface = &Surface::of(&gbuffer).expect("a surface");
+        for level in 0..levels {
+            let settings = shells::level(&parameters, level, &view);
+            let made = splat::level_sums(surface, &disks, &settings, view.focal_length());
+            assert_eq!(made, level_sums(surface, &disks, LIGHT, &settings), "{family:?}, level {level}");
+            assert!(made.data().iter().any(|value| *value > 0.0), "{family:?}, level {level}");
+        }
+        let plain = Plain {
+            gbuffer: &gbuffer,
+            surface,
+            scene: &scene,
+            environment: None,
+            parameters: &parameters,
+            view: &view,
+        };
+        let right = (INDIRECT.plain)(&plain, &disks).expect("attributes");
+        let tolerance = Tolerance { usual: 1e-5, worst: 1e-4 };
+        let made = splat::light(surface, &disks, &parameters, &view);
+        assert_eq!(agree(&made, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
     }
 }

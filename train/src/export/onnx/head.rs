@@ -40,6 +40,12 @@ impl Graph {
             let differences = self.node("Sub", "differences", &[&there, &here], vec![]);
             image = self.node("Add", "corrected", &[&image, &differences], vec![]);
         }
+        if correction.gain {
+            let last = channels + filter.tap_count() as i64;
+            let gain = self.part("gain", made, [last, last + 1]);
+            let gained = self.node("Mul", "gained", &[&estimate, &gain], vec![]);
+            image = self.node("Add", "with_gain", &[&image, &gained], vec![]);
+        }
         let [least, most] = spec.effect.range();
         self.floats("least", &[], &[least]);
         if most.is_finite() {
