@@ -1,7 +1,7 @@
 //! `deepshade compare`: methods against truth, for any set of effects, methods, scenes and views, which the
 //! command line says or a TOML file.
 
-mod contest;
+mod compared_methods;
 mod description;
 mod key;
 mod make;
@@ -11,19 +11,19 @@ mod run;
 mod tests;
 mod values;
 
-pub use contest::Contest;
+pub use compared_methods::ComparedMethods;
 pub use description::Comparison;
 pub use key::{Digest, file_digest, maker};
-pub use make::{ComparedView, Head, Settings, make, wanted};
+pub use make::{ComparedView, ComparisonSettings, Head, make, wanted};
 pub use plan::folder_name;
-pub use run::Run;
+pub use run::ComparisonRun;
 pub use values::MethodChoice;
 
 use crate::arguments::positive;
 use crate::complete::Additions;
 use crate::exposure_time;
 use crate::figures::{self, Figures};
-use crate::place::Place;
+use crate::location::Location;
 use crate::props;
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
@@ -39,11 +39,11 @@ use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::gpu::Gpu;
 use description::distinct;
 use make::OUTSIDE;
-use plan::{Planned, Stages, completed, plan};
+use plan::{Planned, SceneCache, completed, plan};
 use serde_json::json;
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -97,7 +97,7 @@ pub struct Args {
     out: PathBuf,
     /// Folder or address of the network of `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Rows of the images; 512 by default.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]
     height: Option<usize>,
@@ -126,13 +126,13 @@ pub struct Args {
 
 impl Args {
     /// What the options state, beside what a file says of a run.
-    fn stated(&self, file: &Run) -> Run {
+    fn stated(&self, file: &ComparisonRun) -> ComparisonRun {
         let size = file.size();
         let resolution = (self.height.is_some() || self.width.is_some()).then(|| Resolution {
             height: self.height.unwrap_or(size[0]),
             width: self.width.unwrap_or(size[1]),
         });
-        let run = Run {
+        let run = ComparisonRun {
             scenes: some(&self.scene),
             effects: some(&self.effect),
             methods: some(&self.methods).map(|names| names.into_iter().map(MethodChoice::named).collect()),
@@ -141,7 +141,7 @@ impl Args {
             put: some(self.props.all()),
             resolution,
             radius: self.radius.map(Radius::Metres),
-            ..Run::default()
+            ..ComparisonRun::default()
         };
         run.with_options(&self.additions, &self.views, self.samples, self.time)
     }
@@ -163,17 +163,17 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let machine = machine(&gpu);
     let by_name: Vec<bool> = comparison.runs.iter().map(|run| run.methods.is_some()).collect();
-    let contests = comparison.runs.iter_mut().map(|run| Contest::open(run, &gpu));
-    let mut contests = contests.collect::<Result<Vec<_>>>()?;
-    let (mut stages, maker) = (Stages::default(), maker(&machine)?);
+    let compared_by_run = comparison.runs.iter_mut().map(|run| ComparedMethods::open(run, &gpu));
+    let mut compared_by_run = compared_by_run.collect::<Result<Vec<_>>>()?;
+    let (mut scene_cache, maker) = (SceneCache::default(), maker(&machine)?);
     let making = (maker.as_str(), repeats(&gpu), args.out.as_path());
-    let planned = plan(&comparison, &mut contests, &mut stages, &by_name, making)?;
-    for (run, contest) in comparison.runs.iter_mut().zip(&contests) {
-        contest.state(run);
+    let planned = plan(&comparison, &mut compared_by_run, &mut scene_cache, &by_name, making)?;
+    for (run, compared) in comparison.runs.iter_mut().zip(&compared_by_run) {
+        compared.state(run);
     }
     let folder = Folder::open(&args.out)?;
     folder.write(DESCRIPTION, &comparison.to_toml(&args.out)?)?;
-    let mut frames = make_all(&comparison, &contests, &planned, &mut stages, &folder)?;
+    let mut frames = make_all(&comparison, &compared_by_run, &planned, &mut scene_cache, &folder)?;
     if let Some(warning) = outside(&frames) {
         note!("{warning}");
     }
@@ -188,9 +188,9 @@ pub fn run(args: &Args) -> Result<()> {
 /// Makes every frame's images that are not there.
 fn make_all(
     comparison: &Comparison,
-    contests: &[Contest],
+    compared_by_run: &[ComparedMethods],
     planned: &[Planned],
-    stages: &mut Stages,
+    scene_cache: &mut SceneCache,
     folder: &Folder,
 ) -> Result<Vec<FrameRecord>> {
     let whole = planned.iter().filter(|frame| frame.head.is_whole()).count();
@@ -201,27 +201,27 @@ fn make_all(
     let there = planned.iter().flat_map(|frame| &frame.head.kept).map(|kept| 1 + kept.images.len()).sum();
     let (bar, begun) = (progress::bar("images", all, there), Cell::new(there));
     let mut frames = Vec::new();
-    for Planned { run, stage, view, settings, added, head, .. } in planned {
+    for Planned { run, scene_request, view, settings, added, head, .. } in planned {
         if let Some(kept) = head.kept.as_ref().filter(|_| head.is_whole()) {
             let record = head.renamed(kept.clone());
             record.write(&folder.path)?;
             frames.push(record);
             continue;
         }
-        let (effect, contest) = (settings.effect, &contests[*run]);
+        let (effect, compared) = (settings.effect, &compared_by_run[*run]);
         let run = &comparison.runs[*run];
-        let mut completed = completed(run, contest, stages.get(stage)?, view, effect)?;
+        let mut completed = completed(run, compared, scene_cache.get(scene_request)?, view, effect)?;
         if completed.scene.scene().glow.is_some() {
-            completed.scene = stage.remembered(completed.scene)?;
+            completed.scene = scene_request.remembered(completed.scene)?;
         }
         let medium = || ("medium".to_owned(), run.additions().heard_by(effect).medium_in_words());
-        let medium = effect.listens_to(Setting::Medium).then(medium);
+        let medium = effect.listens_to(EffectSetting::Medium).then(medium);
         let added = added.iter().map(|added| ("added".to_owned(), added.clone()));
         let subject = ComparedView {
             scene: &completed.scene,
             view: &View { camera: completed.camera, ..view.clone() },
             settings: *settings,
-            contestants: contest.of(effect).collect(),
+            methods: compared.of(effect).collect(),
             facts: medium.into_iter().chain(added).collect(),
         };
         let at = |what: &str| {
@@ -245,7 +245,7 @@ fn outside(frames: &[FrameRecord]) -> Option<String> {
 
 /// The qualities of all methods, in words.
 fn quality(comparison: &Comparison) -> String {
-    let own = |run: &Run| {
+    let own = |run: &ComparisonRun| {
         let of = |method: &MethodChoice| method.qualities.clone().unwrap_or(run.qualities().to_vec());
         run.methods().iter().flat_map(of).collect::<Vec<_>>()
     };
@@ -263,9 +263,9 @@ fn figures(report: &Report, comparison: &Comparison, planned: &[Planned]) -> Res
         figures.set("radius", f64::from(radius));
     }
     let runs = &comparison.runs;
-    let words = |of: &dyn Fn(&Run) -> Vec<String>| distinct(runs.iter().flat_map(of)).join(", ");
+    let words = |of: &dyn Fn(&ComparisonRun) -> Vec<String>| distinct(runs.iter().flat_map(of)).join(", ");
     figures.detail("added", json!(planned.first().map(|first| &first.added)));
-    if comparison.effects().iter().any(|effect| effect.listens_to(Setting::Medium)) {
+    if comparison.effects().iter().any(|effect| effect.listens_to(EffectSetting::Medium)) {
         figures.detail("medium", words(&|run| vec![run.additions().medium_in_words()]).into());
     }
     figures.detail("scene", words(&|run| run.scenes().iter().map(ToString::to_string).collect()).into());

@@ -15,7 +15,7 @@ use deepshade_infer::TrainedUnder;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{Camera, Environment, Lens, Look, Medium};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::{LitBy, Setting};
+use deepshade_shaders::effect::{EffectSetting, LitBy};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -76,7 +76,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     let opaque = look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO);
     if let Some(metres) = additions.mean_free_path {
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
-    } else if opaque && effect.listens_to(Setting::MeanFreePath) {
+    } else if opaque && effect.listens_to(EffectSetting::MeanFreePath) {
         let metres = MEAN_FREE_PATH * middle_depth(scene, &camera, wants.size) / camera.focal_length(512);
         look.materials.iter_mut().for_each(|material| material.mean_free_path = metres);
         added.push(format!("no material lets light in: all do, with mean free paths of {metres:.4} m"));
@@ -98,7 +98,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
     // Of all light, phosphor is a part that may be missing.
-    let glows = effect.is_lit_by_lamps_alone() && effect.listens_to(Setting::Phosphor);
+    let glows = effect.is_lit_by_lamps_alone() && effect.listens_to(EffectSetting::Phosphor);
     if glows || additions.phosphor.is_some() {
         let lit = scene.with_look(look.clone())?;
         let (glow, said) = additions.glow(lit.scene(), wants.time)?;

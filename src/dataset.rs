@@ -2,8 +2,8 @@
 
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
+use crate::location::Location;
 use crate::methods::{self, LEARNED};
-use crate::place::Place;
 use anyhow::{Context, Result, bail};
 use deepshade_dataset::progress::in_words;
 use deepshade_dataset::target;
@@ -67,7 +67,7 @@ pub struct Generate {
     recipe: RecipeArgs,
     /// Folder of the dataset, or of the shard, or an address such as s3://bucket/ao.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Makes one part alone, such as 2/5: the second of five.
     #[arg(long)]
     shard: Option<Shard>,
@@ -84,10 +84,10 @@ pub struct Generate {
 pub struct Merge {
     /// Folders or addresses of all shards, in any order.
     #[arg(required = true)]
-    shards: Vec<Place>,
+    shards: Vec<Location>,
     /// Folder or address of the dataset.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -98,7 +98,7 @@ pub struct Merge {
 #[command(after_help = "Example:\n  deepshade dataset verify data/ao")]
 pub struct Verify {
     /// Folder or address of the dataset, or of a shard, which is checked against its own list.
-    dataset: Place,
+    dataset: Location,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -111,7 +111,7 @@ pub struct Verify {
                   set holds no whole image.")]
 pub struct Show {
     /// Folder or address of the dataset or of the test set.
-    dataset: Place,
+    dataset: Location,
     /// Folder that the scene files of a test set are relative to, where it is not the one that the set says.
     #[arg(long)]
     scenes: Option<PathBuf>,
@@ -138,7 +138,7 @@ pub struct Testset {
     recipe: RecipeArgs,
     /// Folder or address of the test set.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -193,7 +193,7 @@ impl Method for OneAtATime {
 ///
 /// # Errors
 /// If the recipe or a scene is at fault, or the place is in use, holds other data or cannot be written.
-pub fn made(recipe: &Recipe, place: &Place, shard: Option<Shard>) -> Result<Summary> {
+pub fn made(recipe: &Recipe, place: &Location, shard: Option<Shard>) -> Result<Summary> {
     let method = target_method(recipe)?;
     let method = method.as_deref().map(|method| method as TargetMethod<'_>);
     let out = place.begin()?;
@@ -250,8 +250,8 @@ fn generate_pairs(args: &Generate) -> Result<()> {
 ///
 /// # Errors
 /// If one is missing, unfinished, damaged or of other data, or a place cannot be read or written.
-pub fn merge_places(shards: &[Place], out: &Place, json: Option<&Path>) -> Result<()> {
-    let folders = shards.iter().map(Place::read).collect::<Result<Vec<_>>>()?;
+pub fn merge_places(shards: &[Location], out: &Location, json: Option<&Path>) -> Result<()> {
+    let folders = shards.iter().map(Location::read).collect::<Result<Vec<_>>>()?;
     let work = out.begin()?;
     let pairs = merge(&folders, work.out())?;
     work.finish()?;

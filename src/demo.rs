@@ -2,10 +2,13 @@
 //! families that it was not trained on; then data, a short training, export and a check of another one, on
 //! the spot.
 
-use crate::compare::{self, ComparedView, Comparison, Contest, Digest, Head, MethodChoice, Run, Settings};
+use crate::compare::{
+    self, ComparedMethods, ComparedView, Comparison, ComparisonRun, ComparisonSettings, Digest, Head,
+    MethodChoice,
+};
 use crate::figures::Figures;
+use crate::location::Location;
 use crate::methods;
-use crate::place::Place;
 use crate::radius::{self, Space};
 use crate::report::Report;
 use crate::report::folder::{self, DESCRIPTION, Folder};
@@ -35,7 +38,7 @@ pub struct Args {
     out: PathBuf,
     /// Folder or address of the network.
     #[arg(long, default_value = "models/ao")]
-    model: Place,
+    model: Location,
     #[cfg(feature = "train")]
     /// The recipe that the short training's data are made from.
     #[arg(long, default_value = "dataset/recipes/ao-small.toml")]
@@ -89,14 +92,14 @@ pub fn run(args: &Args) -> Result<()> {
 fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder) -> Result<Report> {
     let (effect, height) = (model.spec.effect, model.spec.reach.height);
     let methods = METHODS.map(MethodChoice::named).to_vec();
-    let mut run = Run {
+    let mut run = ComparisonRun {
         effects: Some(vec![effect]),
         methods: Some(methods),
         qualities: Some(vec![Quality::High]),
         model: Some(args.model.clone()),
-        ..Run::default()
+        ..ComparisonRun::default()
     };
-    let contest = Contest::open(&mut run, gpu)?;
+    let compared = ComparedMethods::open(&mut run, gpu)?;
     let machine = compare::machine(gpu);
     let maker = compare::maker(&machine)?;
     let families = || Family::ALL.into_iter().filter(|family| family.split() == Split::Test);
@@ -113,7 +116,7 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
         let view = View { name: family.name().to_owned(), camera };
         note!("   {}, {} triangles", view.name, scene.scene().triangle_count());
         let space = Space::seen(&scene, &view.camera, [height, height]);
-        let settings = Settings {
+        let settings = ComparisonSettings {
             effect,
             height,
             width: height,
@@ -122,9 +125,9 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
             seed: SEED,
             repeats: Repeats { warm_up: 1, timed: 3 },
         };
-        let head = head(&maker, &view, settings, &contest, folder);
-        let contestants = contest.of(effect).collect();
-        let subject = ComparedView { scene: &scene, view: &view, settings, contestants, facts: Vec::new() };
+        let head = head(&maker, &view, settings, &compared, folder);
+        let methods = compared.of(effect).collect();
+        let subject = ComparedView { scene: &scene, view: &view, settings, methods, facts: Vec::new() };
         frames.push(compare::make(folder, &head, &subject, &|_| ()).with_context(|| view.name.clone())?);
     }
     Ok(Report { frames, quality: Quality::High.name().to_owned(), machine })
@@ -132,14 +135,14 @@ fn compare_on_test_scenes(args: &Args, gpu: &Gpu, model: &Model, folder: &Folder
 
 /// The comparison that the demo is, for those who would have it again with other methods or scenes.
 fn description<'a>(
-    run: &Run,
+    run: &ComparisonRun,
     height: usize,
     samples: u32,
     cameras: impl Iterator<Item = (Family, &'a Camera)>,
 ) -> Comparison {
     let runs = cameras.map(|(family, camera)| {
         let target = camera.position + camera.rotation * Vec3::NEG_Z;
-        Run {
+        ComparisonRun {
             scenes: Some(vec![SceneSource::Procedural(family, u64::from(SEED))]),
             views: Some(Choice::Stated(vec![Viewpoint::looking(camera.position, target)])),
             resolution: Some(Resolution { height, width: height }),
@@ -152,12 +155,18 @@ fn description<'a>(
 }
 
 /// What a frame is called, and what of it an earlier demo left.
-fn head(maker: &str, view: &View, settings: Settings, contest: &Contest, folder: &Folder) -> Head {
+fn head(
+    maker: &str,
+    view: &View,
+    settings: ComparisonSettings,
+    compared: &ComparedMethods,
+    folder: &Folder,
+) -> Head {
     let mut digest = Digest::default();
     digest.say(&(maker, &view.name, view.camera, settings));
     let (key, name) = (digest.finish(), view.name.clone());
     let folder_name = compare::folder_name(&name);
-    let wanted: Vec<_> = contest.of(settings.effect).map(|one| compare::wanted(&key, one)).collect();
+    let wanted: Vec<_> = compared.of(settings.effect).map(|one| compare::wanted(&key, one)).collect();
     let kept = FrameRecord::kept(&folder.path, &folder_name, &key, &wanted);
     Head { key, scene: name.clone(), view: name.clone(), name, folder: folder_name, wanted, kept }
 }

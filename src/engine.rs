@@ -29,7 +29,7 @@ pub struct Engine {
 
 /// A network on images of one size.
 enum Runner {
-    Cpu(Box<cpu::Plan>),
+    Cpu(Box<cpu::CpuPlan>),
     Wgsl(Box<Gpu>, Arc<forward::Runner>),
 }
 
@@ -140,7 +140,7 @@ impl Engine {
 }
 
 fn run_on_cpu(
-    plan: &mut cpu::Plan,
+    plan: &mut cpu::CpuPlan,
     input: &Planes,
     warm_up: usize,
     timed: usize,

@@ -17,8 +17,8 @@ mod tables;
 use crate::complete::sky;
 use crate::figures::Figures;
 use crate::learned;
+use crate::location::Location;
 use crate::methods::{self, LEARNED, Runs, TRUTH};
-use crate::place::Place;
 use anyhow::{Result, bail, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::Repeats;
@@ -26,7 +26,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
-use outcome::{Judgement, Scored};
+use outcome::{EvaluationOutcome, Scored};
 use results::Entry;
 use rivals::rivals;
 use score::evaluate;
@@ -72,12 +72,12 @@ pub struct Args {
     set: Vec<Changes>,
     /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Folder or address of the test set; by default all in the model's folder, `testset` and `testset-NAME`,
     /// each by itself and, but for `testset-artists`, together. A model without one has those of the model
     /// beside it that bears the name of the effect.
     #[arg(long)]
-    testset: Option<Place>,
+    testset: Option<Location>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
     #[arg(long, conflicts_with_all = ["effect", "set", "model", "testset", "curve"])]
     all: bool,
@@ -162,7 +162,7 @@ fn tunings(qualities: &[Quality], set: &[Changes]) -> Vec<Tuning> {
 }
 
 /// Who is evaluated, and on what.
-struct Contest {
+struct EvaluationInputs {
     effect: Effect,
     /// The network, if there is one, under the name that figures have for it.
     network: Option<(String, Model)>,
@@ -189,31 +189,31 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{option} means nothing without --all");
     }
     let gpu = Gpu::new()?;
-    let contest = contest(args)?;
+    let inputs = inputs(args)?;
     if args.results.is_some() {
         let is_among = is_learned_among(&args.methods);
-        ensure!(contest.network.is_some() && is_among, "--results is of networks, and there is none");
+        ensure!(inputs.network.is_some() && is_among, "--results is of networks, and there is none");
     }
-    let judgement = judge(&contest, &args.methods, args, &gpu)?;
-    let (effect, evaluation) = (contest.effect, &judgement.evaluation);
+    let outcome = evaluate_methods(&inputs, &args.methods, args, &gpu)?;
+    let (effect, evaluation) = (inputs.effect, &outcome.evaluation);
     let mut figures = Figures::new("eval");
-    judgement.set_figures(&mut figures, effect);
-    if let Some((network, _)) = &contest.network {
+    outcome.set_figures(&mut figures, effect);
+    if let Some((network, _)) = &inputs.network {
         names::set_figures(&mut figures, network, evaluation);
         figures.detail("network", json!(network));
     }
     figures.detail("effect", json!(effect.name()));
-    figures.detail("target", json!(target(&contest.sets)));
+    figures.detail("target", json!(target(&inputs.sets)));
     figures.detail("adapter", json!(gpu.info.name));
     figures.write(args.json.as_deref())?;
-    if let (Some(path), Some((network, _))) = (&args.results, &contest.network) {
-        let entry = Entry { network: network.clone(), evaluation, target: target(&contest.sets) };
+    if let (Some(path), Some((network, _))) = (&args.results, &inputs.network) {
+        let entry = Entry { network: network.clone(), evaluation, target: target(&inputs.sets) };
         results::add(path, &entry, &gpu)?;
     }
     if let Some(path) = &args.curve {
-        curve::write(path, effect, &judgement.rivals, evaluation)?;
+        curve::write(path, effect, &outcome.rivals, evaluation)?;
     }
-    tables::print(effect, &judgement)
+    tables::print(effect, &outcome)
 }
 
 /// What methods are scored against, in the first set.
@@ -222,8 +222,13 @@ fn target(sets: &[NamedSet]) -> &str {
 }
 
 /// Runs methods by name on the frames that the command line asks for.
-fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<Judgement> {
-    let Contest { effect, network, sets, .. } = contest;
+fn evaluate_methods(
+    inputs: &EvaluationInputs,
+    names: &[String],
+    args: &Args,
+    gpu: &Gpu,
+) -> Result<EvaluationOutcome> {
+    let EvaluationInputs { effect, network, sets, .. } = inputs;
     let model = network.as_ref().map(|(_, model)| model);
     let tunings = tunings(&qualities(&args.quality, model.is_some() && is_learned_among(names)), &args.set);
     let mut rivals = rivals(*effect, names, &tunings, (gpu, Runs::Fastest), model)?;
@@ -249,7 +254,7 @@ fn judge(contest: &Contest, names: &[String], args: &Args, gpu: &Gpu) -> Result<
         let evaluation = evaluate(set, &chosen, *effect, &rivals, repeats(gpu))?;
         scored.push(Scored { name: named.name.clone(), title, evaluation });
     }
-    Ok(Judgement::new(rivals, scored))
+    Ok(EvaluationOutcome::new(rivals, scored))
 }
 
 /// How often methods run on a frame, of which the median time counts: the mean over the frames is what tables
@@ -271,8 +276,8 @@ fn spread(count: usize, wanted: usize) -> Vec<usize> {
 }
 
 /// What the command line names.
-fn contest(args: &Args) -> Result<Contest> {
-    let usual = || Place::Folder(learned::usual_folder(args.effect.unwrap_or(Effect::Ao)));
+fn inputs(args: &Args) -> Result<EvaluationInputs> {
+    let usual = || Location::Folder(learned::usual_folder(args.effect.unwrap_or(Effect::Ao)));
     let place = args.model.clone().unwrap_or_else(usual);
     let folder = place.read()?;
     // A network that is asked for must be there.
@@ -285,7 +290,7 @@ fn contest(args: &Args) -> Result<Contest> {
     };
     let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
     let name = names::figure_name(Path::new(&place.to_string()));
-    Ok(Contest { effect, network: model.map(|model| (name, model)), sets })
+    Ok(EvaluationInputs { effect, network: model.map(|model| (name, model)), sets })
 }
 
 #[cfg(test)]

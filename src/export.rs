@@ -3,7 +3,7 @@
 use crate::complete::sky;
 use crate::eval::names::of_network;
 use crate::figures::{Figures, write_atomically};
-use crate::place::Place;
+use crate::location::Location;
 use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::recipe::FieldOfView;
@@ -35,13 +35,13 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 pub struct Args {
     /// Folder or address of the training run.
     #[arg(long, requires = "out")]
-    run: Option<Place>,
+    run: Option<Location>,
     /// Folder or address of the model to be written.
     #[arg(long, requires = "run", conflicts_with = "model")]
-    out: Option<Place>,
+    out: Option<Location>,
     /// Folder or address of a model that is there.
     #[arg(long, requires = "made")]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]
     wgsl: Option<PathBuf>,
@@ -50,7 +50,7 @@ pub struct Args {
     half: bool,
     /// Folder or address of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
-    dataset: Option<Place>,
+    dataset: Option<Location>,
     /// What `deepshade eval --json` wrote about this network, for the card; with --model, for that of the
     /// folder that is there.
     #[arg(long)]
@@ -93,8 +93,8 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Writes results into the card of a model that is there.
-fn measure(place: &Place, model: &Model, file: &Path) -> Result<()> {
-    let Place::Folder(folder) = place else {
+fn measure(place: &Location, model: &Model, file: &Path) -> Result<()> {
+    let Location::Folder(folder) = place else {
         anyhow::bail!("{place}: the card of a model in a store is not changed, that of a folder is")
     };
     let path = folder.join(CARD_FILE);
@@ -111,7 +111,7 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
         return exported_of_stream(args, &config, run, out);
     }
     let context = "the card names the training data; --dataset says where they are now";
-    let moved = args.dataset.as_ref().map(Place::read).transpose().context(context)?;
+    let moved = args.dataset.as_ref().map(Location::read).transpose().context(context)?;
     let dataset = moved.as_deref().unwrap_or(&config.dataset);
     let manifest = Manifest::load(dataset).context(context)?;
     ensure!(

@@ -5,7 +5,7 @@ use crate::props;
 use anyhow::{Context, Result};
 use deepshade_render::scene::{Scene, SceneSource};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 
 /// How long the shutter is open where nothing is said, seconds.
 const SHUTTER: f32 = 0.04;
@@ -47,7 +47,7 @@ impl Args {
     /// # Errors
     /// If not.
     pub fn check(self, effect: Effect) -> Result<()> {
-        listeners::check(effect, Setting::Shutter, &[("--shutter", self.shutter.is_some())])
+        listeners::check(effect, EffectSetting::Shutter, &[("--shutter", self.shutter.is_some())])
     }
 
     /// The scene at the moment, with what is put into it, and with what moves while the shutter is open where
@@ -59,7 +59,7 @@ impl Args {
         self.check(effect)?;
         let load = |source: &SceneSource| {
             let scene = match source {
-                SceneSource::File(path) if effect.listens_to(Setting::Shutter) => {
+                SceneSource::File(path) if effect.listens_to(EffectSetting::Shutter) => {
                     Scene::load_moving(path, self.time(), self.shutter())
                 }
                 source => source.scene(self.time()),

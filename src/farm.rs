@@ -13,10 +13,10 @@ mod slurm;
 mod status;
 mod work;
 
-use crate::place::Place;
+use crate::location::Location;
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
-use plan::Plan;
+use plan::FarmPlan;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ pub struct Merge {
     jobs: PathBuf,
     /// Folder or address of the dataset.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
@@ -64,7 +64,7 @@ const RAY_TASKS: &str = include_str!("farm/ray_tasks.py");
 
 impl Engine {
     /// The engine's file in the folder of jobs: its name and text.
-    fn file(self, plan: &Plan, jobs: &Path) -> Result<(&'static str, String)> {
+    fn file(self, plan: &FarmPlan, jobs: &Path) -> Result<(&'static str, String)> {
         Ok(match self {
             Self::Slurm => ("slurm.sh", slurm::script(plan, jobs)?),
             Self::Ray => ("ray_tasks.py", RAY_TASKS.to_owned()),
@@ -97,7 +97,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Status(args) => status::run(args),
         Verb::Work(args) => work::run(args),
         Verb::Merge(args) => {
-            let plan = Plan::load(&args.jobs)?;
+            let plan = FarmPlan::load(&args.jobs)?;
             let missing = plan.missing()?;
             let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
             ensure!(missing.is_empty(), "{}: shards are missing: {}", args.out, names.join(", "));

@@ -12,7 +12,7 @@ mod space;
 use crate::arguments::{image_file, positive, written_file};
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
-use crate::place::Place;
+use crate::location::Location;
 use crate::report::images::{shown, write_png};
 use anyhow::{Context, Result, ensure};
 use deepshade_infer::Model;
@@ -20,7 +20,7 @@ use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::method::{Repeats, Shaded};
 use deepshade_render::metrics::{exposed, exposure};
 use deepshade_shaders::gpu::Gpu;
-use read::{Read, Wanted};
+use read::{Read, ReadRequest};
 use std::path::{Path, PathBuf};
 
 /// Runs a network on a g-buffer file from any renderer.
@@ -38,7 +38,7 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// Folder or address of the network.
     #[arg(long)]
-    model: Place,
+    model: Location,
     /// G-buffer, an EXR file.
     #[arg(long)]
     gbuffer: PathBuf,
@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
     args.space.check()?;
     let model = Model::load(&args.model.read()?)?;
     let Args { gbuffer: path, layer, space, trusted, .. } = args;
-    let wanted = Wanted { path, layer: layer.as_deref(), space, trusted: *trusted };
+    let wanted = ReadRequest { path, layer: layer.as_deref(), space, trusted: *trusted };
     let Read { gbuffer, windows, file } = read::read(&wanted, &model.spec)?;
     let radius = match args.radius {
         Some(radius) => radius,

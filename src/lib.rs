@@ -31,6 +31,7 @@ mod interrupt;
 mod kernels;
 mod learned;
 mod live;
+mod location;
 mod methods;
 #[cfg(feature = "train")]
 mod onnxruntime;
@@ -38,7 +39,6 @@ mod parameters;
 #[cfg(feature = "train")]
 mod parity;
 mod phosphor;
-mod place;
 mod plot;
 mod props;
 mod radius;

@@ -3,9 +3,9 @@
 //! Passes are timed one by one: by the GPU's own clock where it has one, some frames later, and else, as with
 //! software Vulkan, by waiting for each.
 
+pub mod animated_view;
 #[cfg(any(feature = "view", target_arch = "wasm32"))]
-pub mod pilot;
-pub mod stage;
+pub mod camera_controller;
 
 use crate::learned::{self, Learned, Recorded};
 use crate::methods::LEARNED;
@@ -14,13 +14,13 @@ use anyhow::{Context, Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::method::{MethodError, Repeats};
 use deepshade_render::raster::Frame;
-use deepshade_render::raster::frame::{Settings, Stage};
+use deepshade_render::raster::frame::{FrameStage, RasterSettings};
 use deepshade_render::raster::since::Since;
 #[cfg(feature = "view")]
 use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
 use deepshade_render::screen::reprojection::{Reprojection, ReprojectionParameters};
-use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ use web_time::Instant;
 const SHADOW_SIZE: usize = 2048;
 
 /// What a live scene is to show.
-pub struct Wanted {
+pub struct LiveSettings {
     /// Rows and columns.
     pub size: [usize; 2],
     /// What computes images of each frame's g-buffer, on the screen alone.
@@ -68,7 +68,7 @@ struct Shading {
 /// How a method runs.
 enum Running {
     /// In passes that are recorded with the frame.
-    Passes(Box<ScreenMethod>, Box<Plan>),
+    Passes(Box<ScreenMethod>, Box<MethodPasses>),
     /// A network: recorded with the frame, or, where it cannot be, by itself once the frame's g-buffer has
     /// been read back.
     Network(Box<Learned>, Option<Box<Recorded>>),
@@ -80,7 +80,7 @@ impl Live {
     ///
     /// # Errors
     /// If the device refuses or has no room.
-    pub fn new(gpu: &Gpu, animated: &AnimatedScene, camera: &Camera, wanted: Wanted) -> Result<Self> {
+    pub fn new(gpu: &Gpu, animated: &AnimatedScene, camera: &Camera, wanted: LiveSettings) -> Result<Self> {
         let [height, width] = wanted.size;
         ensure!(height > 0 && width > 0, "a frame of {width} x {height} pixels shows nothing");
         let read = wanted.methods.iter().flat_map(|method| method.attributes()).copied();
@@ -91,7 +91,7 @@ impl Live {
         let asks_for_light = wanted.methods.iter().any(|method| method.about().looks_beyond)
             || attributes.iter().any(|of| matches!(of, Attribute::Light | Attribute::DiffuseLight));
         let shadow_size = asks_for_light.then_some(SHADOW_SIZE);
-        let settings = Settings { height, width, attributes, shadow_size };
+        let settings = RasterSettings { height, width, attributes, shadow_size };
         let frame = Frame::new(gpu, animated, &settings)?;
         frame.world().notes.iter().for_each(|line| note!("{line}"));
         let view = View { height, width, camera: *camera, radius: wanted.radius, seed: 0 };
@@ -100,8 +100,9 @@ impl Live {
         let mut running = Vec::new();
         for method in wanted.methods {
             let name = method.name();
-            let plan = Plan::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
-            running.push(Running::Passes(Box::new(method), Box::new(plan)));
+            let passes =
+                MethodPasses::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
+            running.push(Running::Passes(Box::new(method), Box::new(passes)));
         }
         running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned), None)));
         let since = Since::new(&gpu.device, &frame)?;
@@ -119,7 +120,7 @@ impl Live {
 
     /// What is timed, in order: stages, methods, and, of those that are mixed with frames before, that.
     pub fn passes(&self) -> Vec<String> {
-        let stages = Stage::ALL.iter().map(|stage| stage.name().to_owned());
+        let stages = FrameStage::ALL.iter().map(|stage| stage.name().to_owned());
         let mut passes: Vec<String> = stages.chain(["movement".to_owned()]).collect();
         for shading in self.shading.iter().filter(|shading| shading.is_recorded()) {
             let name = shading.method.name();
@@ -180,7 +181,7 @@ impl Live {
         self.frame.set(&self.gpu.queue, time, self.shutter, camera);
         for shading in &self.shading {
             match &shading.method {
-                Running::Passes(method, plan) => plan.look(&self.gpu.queue, method, &self.view),
+                Running::Passes(method, passes) => passes.look(&self.gpu.queue, method, &self.view),
                 Running::Network(learned, Some(recorded)) => learned.look(recorded, &self.view),
                 Running::Network(_, None) => {}
             }
@@ -218,7 +219,7 @@ impl Live {
         let (frame, since, shading, queue) = (&self.frame, &self.since, &mut self.shading, &self.gpu.queue);
         gpu::submit(&self.gpu.device, queue, "live", |encoder| {
             let mut stamps = (0..).map(|pass| clock.stamps(pass));
-            for stage in Stage::ALL {
+            for stage in FrameStage::ALL {
                 frame.encode(stage, encoder, stamps.next().as_ref());
             }
             since.encode(encoder, stamps.next().as_ref());
@@ -238,8 +239,8 @@ impl Live {
     /// A submission a pass, each waited for.
     async fn make_one_by_one(&mut self) -> Result<Vec<f64>> {
         let (gpu, queue) = (&self.gpu, &self.gpu.queue);
-        let mut times = Vec::with_capacity(Stage::ALL.len() + self.shading.len());
-        for stage in Stage::ALL {
+        let mut times = Vec::with_capacity(FrameStage::ALL.len() + self.shading.len());
+        for stage in FrameStage::ALL {
             times.push(waited_for(gpu, &mut |encoder| self.frame.encode(stage, encoder, None)).await?);
         }
         times.push(waited_for(gpu, &mut |encoder| self.since.encode(encoder, None)).await?);
@@ -378,7 +379,7 @@ impl Shading {
         let (device, channels) = (&gpu.device, method.effect().channels());
         let pixels = size[0] * size[1];
         let output = match &method {
-            Running::Passes(_, plan) => plan.output().clone(),
+            Running::Passes(_, passes) => passes.output().clone(),
             Running::Network(..) => gpu::empty::<f32>(device, "live.learned", channels * pixels)?,
         };
         let temporal = since.map(|since| {
@@ -409,8 +410,8 @@ impl Shading {
     }
 
     fn encode_method(&self, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
-        let (method, plan) = match &self.method {
-            Running::Passes(method, plan) => (method, plan),
+        let (method, passes) = match &self.method {
+            Running::Passes(method, passes) => (method, passes),
             Running::Network(_, Some(recorded)) => return recorded.encode(encoder, stamps),
             Running::Network(_, None) => return,
         };
@@ -418,7 +419,7 @@ impl Shading {
             label: Some(method.name()),
             timestamp_writes: stamps.map(Stamps::of_compute),
         });
-        plan.encode_in(&mut pass);
+        passes.encode_in(&mut pass);
     }
 }
 

@@ -9,7 +9,7 @@
 mod frame;
 
 use crate::arguments::Size;
-use crate::place::Place;
+use crate::location::Location;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::forward::{HALF_TOLERANCE, Network, Options, OutputKind, Precision, Variant};
@@ -40,7 +40,7 @@ const HALF: &str = "wgsl_half";
 pub struct Args {
     /// Folder or address of a network; without it, random weights only.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's
     /// own.
     #[arg(long, value_delimiter = ',')]
@@ -60,7 +60,7 @@ pub struct Args {
 /// # Errors
 /// If two forms do not agree, or one of them does not run.
 pub fn run(args: &Args) -> Result<()> {
-    let place = args.model.as_ref().map(Place::read).transpose()?;
+    let place = args.model.as_ref().map(Location::read).transpose()?;
     let model = place.as_deref().map(Model::load).transpose()?;
     let folder = tempfile::tempdir()?;
     let gpu = Gpu::new()?;

@@ -5,7 +5,7 @@ use deepshade_infer::Reach;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::Camera;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 
 /// The default radius as a share of the scene's diagonal, where no network states its own.
 const USUAL_SHARE: f32 = 0.03;
@@ -44,7 +44,7 @@ impl Space {
 pub fn wanted(stated: Option<f32>, reach: Option<Reach>, effects: &[Effect], space: Space) -> f32 {
     let radius = stated.unwrap_or_else(|| {
         let radius = space.usual_radius(reach);
-        if effects.iter().any(|effect| effect.listens_to(Setting::Radius)) {
+        if effects.iter().any(|effect| effect.listens_to(EffectSetting::Radius)) {
             note!("radius: {}, the default", in_words(radius, space.diagonal));
         }
         radius

@@ -22,11 +22,11 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::metrics::{exposed, exposure, ssim};
 use deepshade_render::path::estimate::SCRAMBLINGS;
-use deepshade_render::path::{Estimate, Footprint, Part, Shot, Truth};
+use deepshade_render::path::{Estimate, Footprint, LightPart, Shot, Truth};
 use deepshade_render::scene::{Camera, Lens, SceneSource};
 use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use picture::Exposure;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -129,8 +129,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let [exr, png] = files(args)?;
     check_pixels(args.height, args.width)?;
-    let part = Part::named(&args.part, args.effect).map_err(anyhow::Error::msg)?;
-    listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
+    let part = LightPart::named(&args.part, args.effect).map_err(anyhow::Error::msg)?;
+    listeners::check(args.effect, EffectSetting::Radius, &[("--radius", args.radius.is_some())])?;
     let size = [args.height, args.width];
     let scene = args.time.scene(&args.scene, &args.props, args.effect)?;
     let scene = TracedScene::new(scene).with_context(|| format!("scene {}", args.scene))?;
@@ -235,7 +235,7 @@ fn refined(args: &Args, shot: &Shot<'_>, png: &Path) -> Result<Truth> {
 /// All that the picture is from, as name and value.
 fn provenance(
     args: &Args,
-    part: Part,
+    part: LightPart,
     view: &View,
     Completed { camera, added, .. }: &Completed,
     radius: f32,

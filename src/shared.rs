@@ -34,7 +34,7 @@ pub mod pictures {
 
 /// Means with confidence intervals.
 pub mod statistics {
-    pub use crate::statistics::{Estimate, estimate};
+    pub use crate::statistics::{MeanInterval, estimate};
 }
 
 /// The list of methods.
@@ -55,19 +55,19 @@ pub mod train {
 }
 
 /// Scenes as they are seen.
-pub mod stage {
-    pub use crate::live::stage::{Staged, plain};
+pub mod animated_view {
+    pub use crate::live::animated_view::{AnimatedView, plain};
     pub use crate::views::Viewpoint;
 }
 
 /// What the web page shows.
 pub mod web {
-    pub use crate::web::showing::{Showing, Sight, Wish, scores};
+    pub use crate::web::shown_scene::{PageRequest, ShownScene, TracedView, scores};
 }
 
 /// Folders and object stores.
-pub mod place {
-    pub use crate::place::Place;
+pub mod location {
+    pub use crate::location::Location;
 }
 
 /// Rays a second, beside another library.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// A mean and the interval that holds it with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate {
+pub struct MeanInterval {
     /// Mean over scenes.
     pub mean: f64,
     /// 2.5th percentile of the resampled means.
@@ -15,7 +15,7 @@ pub struct Estimate {
     pub high: f64,
 }
 
-impl std::fmt::Display for Estimate {
+impl std::fmt::Display for MeanInterval {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:.3} [{:.3}, {:.3}]", self.mean, self.low, self.high)
     }
@@ -29,19 +29,19 @@ const RESAMPLES: usize = 2000;
 ///
 /// # Panics
 /// If there is no value.
-pub fn estimate(values: &[(usize, f64)]) -> Estimate {
+pub fn estimate(values: &[(usize, f64)]) -> MeanInterval {
     let means: Vec<f64> = scene_means(values).into_values().collect();
     assert!(!means.is_empty(), "at least one value");
     let mut resampled: Vec<f64> =
         (0..RESAMPLES as u64).map(|resample| resampled_mean(&means, resample)).collect();
     resampled.sort_by(f64::total_cmp);
     let percentile = |share: f64| resampled[(share * (RESAMPLES - 1) as f64).round() as usize];
-    Estimate { mean: mean(&means), low: percentile(0.025), high: percentile(0.975) }
+    MeanInterval { mean: mean(&means), low: percentile(0.025), high: percentile(0.975) }
 }
 
 /// The estimate of what one series is above another, frame by frame: what makes a scene hard for both does
 /// not widen the interval. None where they are not of the same frames, or of none.
-pub fn paired(values: &[(usize, f64)], others: &[(usize, f64)]) -> Option<Estimate> {
+pub fn paired(values: &[(usize, f64)], others: &[(usize, f64)]) -> Option<MeanInterval> {
     let scenes = |values: &[(usize, f64)]| values.iter().map(|(scene, _)| *scene).collect::<Vec<_>>();
     let same = !values.is_empty() && scenes(values) == scenes(others);
     let difference = |((scene, value), (_, other)): (&(usize, f64), &(usize, f64))| (*scene, value - other);

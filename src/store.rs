@@ -14,11 +14,11 @@
 mod commit;
 mod remote;
 mod transfer;
-mod work;
+mod working_copy;
 
-pub use work::Work;
+pub use working_copy::WorkingCopy;
 
-use crate::place::Address;
+use crate::location::Address;
 use anyhow::{Context, Result};
 use commit::Commit;
 use etcetera::BaseStrategy;

@@ -2,9 +2,9 @@
 
 mod choices;
 mod network;
+mod notes;
 mod share;
 mod source;
-mod words;
 
 pub use choices::LossName;
 pub use network::{INPUT_RADIUS, default_config, usual_config};
@@ -13,18 +13,18 @@ use crate::arguments::positive;
 use crate::dataset::warn_of_files;
 use crate::figures::Figures;
 use crate::interrupt::{self, Interrupted};
-use crate::place::Place;
+use crate::location::Location;
 use anyhow::{Result, ensure};
 use choices::{KERNELS_DECAY, LastLayer, Method, Order};
 use deepshade_dataset::Recipe;
 use deepshade_dataset::recipe::Resolution;
-use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
-use deepshade_train::{Ending, Endless, Optimiser, Outcome, TrainConfig};
+use deepshade_train::{Ending, Endless, Optimiser, TrainConfig, TrainingOutcome};
 use network::{CHANNELS, ESTIMATE, Network, channels, corrected_config, diagonal_share, estimate};
 use serde_json::json;
-use source::Source;
+use source::TrainingSource;
 use std::path::{Path, PathBuf};
 
 /// Trains a network on a dataset; the same command resumes a run that was interrupted.
@@ -38,7 +38,7 @@ use std::path::{Path, PathBuf};
 pub struct Args {
     /// What `deepshade dataset generate` made: its folder or address.
     #[arg(long, required_unless_present = "recipe", conflicts_with = "recipe")]
-    dataset: Option<Place>,
+    dataset: Option<Location>,
     /// A recipe whose views are rendered while the network trains, without end, in place of a dataset.
     #[arg(long)]
     recipe: Option<PathBuf>,
@@ -53,10 +53,10 @@ pub struct Args {
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY.
     #[arg(long, default_value = ESTIMATE, value_parser = estimate)]
-    estimate: Estimate,
+    estimate: AnalyticEstimate,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Order of the channels after a concatenation.
     #[arg(long, value_enum, default_value_t = Order::Interleaved)]
     order: Order,
@@ -69,7 +69,7 @@ pub struct Args {
     /// Model whose weights the run begins with, in place of random ones; its last layer must be that of
     /// --last.
     #[arg(long, value_name = "FOLDER")]
-    from: Option<Place>,
+    from: Option<Location>,
     /// How weights follow gradients: the practical default, or the paper's.
     #[arg(long, value_enum, default_value_t = Method::Adamw)]
     optimiser: Method,
@@ -164,12 +164,12 @@ pub fn run(args: &Args) -> Result<()> {
         args.weight_decay.is_none() || args.optimiser == Method::Adamw,
         "--weight-decay is adamw's, and the optimiser is adadelta"
     );
-    let start = args.from.as_ref().map(Place::read).transpose()?;
+    let start = args.from.as_ref().map(Location::read).transpose()?;
     let from = start.as_deref().map(Path::to_owned);
-    let source = Source::open(args)?;
+    let source = TrainingSource::open(args)?;
     // Before the run's folder is begun: what is refused leaves nothing.
     let config = TrainConfig { start: from, ..config(args, &source.recipe, &source.path)? };
-    note!("{}", words::beginning(&config, &source.path));
+    note!("{}", notes::beginning(&config, &source.path));
     // Those of a dataset were warned of when it was made.
     if args.recipe.is_some() {
         warn_of_files(&source.recipe)?;
@@ -182,7 +182,7 @@ pub fn run(args: &Args) -> Result<()> {
     let stop = config.stop.clone();
     interrupt::ask_first(move || stop.ask());
     let outcome = source.train(&config, &out)?;
-    let Outcome { ending, progress, waiting, images_per_second } = outcome;
+    let TrainingOutcome { ending, progress, waiting, images_per_second } = outcome;
     out.finish()?;
     let what = match ending {
         Ending::Finished => "all steps are done",

@@ -4,8 +4,8 @@
 mod views;
 
 use crate::figures::Figures;
+use crate::location::Location;
 use crate::methods::{self, Runs, Setup};
-use crate::place::Place;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Dataset, progress};
 use deepshade_render::method::Method;
@@ -34,7 +34,7 @@ use views::{Timed, View, similarities, timed};
 pub struct Args {
     /// Folder or address of the dataset.
     #[arg(long)]
-    dataset: Place,
+    dataset: Location,
     /// The method, of the dataset's effect.
     #[arg(long)]
     method: String,
@@ -274,7 +274,7 @@ fn as_set(changes: &Changes) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_render::methods::dials::Setting;
+    use deepshade_render::methods::dials::DialValue;
 
     fn dial(name: &str, values: Values, range: [f64; 2], usual: f64) -> Dial {
         Dial { name: name.to_owned(), text: String::new(), unit: String::new(), range, values, usual }
@@ -326,7 +326,8 @@ mod tests {
             Ok(vec![ssim, ssim - 0.2, ssim + 0.1])
         };
         let best = tuned(&dials, similarities).expect("tunes");
-        let expected = [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), Setting::from(to)));
+        let expected =
+            [("soft", 1.0), ("width", 2.8)].map(|(name, to)| (name.to_owned(), DialValue::from(to)));
         assert_eq!((best.0.clone(), as_set(&best).as_str()), (expected.into(), "soft=1,width=2.8"));
         let level = |_: &Changes| Ok(vec![0.5, 0.6]);
         assert!(tuned(&dials, level).expect("tunes").is_empty(), "what is no better is left");

@@ -16,7 +16,6 @@ mod legend;
 mod lights;
 mod method_worker;
 mod metrics;
-mod outcome;
 mod panel;
 mod parameters;
 mod probe;
@@ -32,29 +31,30 @@ mod training_process;
 mod training_run;
 mod truth;
 mod window;
+mod window_figures;
 mod workers;
 mod zoom;
 
 use crate::arguments::{check_size, reach};
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
-use crate::place::Place;
+use crate::location::Location;
 use crate::props;
 use crate::views::Viewpoint;
 use anyhow::{Result, anyhow, bail};
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use eframe::egui::{self, ViewportBuilder};
 use eframe::egui_wgpu::WgpuConfiguration;
 use eframe::wgpu::CurrentSurfaceTexture;
 use file_worker::FileTask;
-use outcome::Outcome;
 use state::State;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use window::{Screenshot, Window};
+use window_figures::WindowFigures;
 use workers::Workers;
 
 /// Shows a scene in a window, by several methods at once, beside truth.
@@ -104,7 +104,7 @@ pub struct Args {
     /// Folder or address of the network of `learned`, by default models/EFFECT; the folder of a training run
     /// is followed: its weights are run from each checkpoint on.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Chooses sampled views, added lights and all other random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u32,
@@ -138,9 +138,9 @@ impl Args {
 /// # Errors
 /// If there is no display or no adapter, an argument means nothing, or no screenshot can be made.
 pub fn run(args: &Args) -> Result<()> {
-    let outcome = Arc::new(Mutex::new(Outcome::new()));
+    let outcome = Arc::new(Mutex::new(WindowFigures::new()));
     check_size(["--height", "--width"], [args.height, args.width])?;
-    listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
+    listeners::check(args.effect, EffectSetting::Radius, &[("--radius", args.radius.is_some())])?;
     let state = State::new(args)?;
     let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
@@ -182,7 +182,7 @@ fn style(context: &egui::Context) {
 }
 
 /// A window with its workers, as the command line wants it.
-fn open(state: State, outcome: Arc<Mutex<Outcome>>, context: &egui::Context) -> Result<Window> {
+fn open(state: State, outcome: Arc<Mutex<WindowFigures>>, context: &egui::Context) -> Result<Window> {
     let args = Arc::clone(&state.args);
     let screenshot = args.screenshot.clone().map(Screenshot::new);
     let mut window = Window::new(state, Workers::new(&args, context)?, screenshot, outcome);
@@ -208,7 +208,7 @@ fn without_source(message: &str) -> &str {
 }
 
 /// Counts how often there was no surface to paint on, whatever is done about it.
-fn count_surfaces(options: &mut WgpuConfiguration, outcome: &Arc<Mutex<Outcome>>) {
+fn count_surfaces(options: &mut WgpuConfiguration, outcome: &Arc<Mutex<WindowFigures>>) {
     let (mend, outcome) = (Arc::clone(&options.on_surface_status), Arc::clone(outcome));
     options.on_surface_status = Arc::new(move |status: &CurrentSurfaceTexture| {
         let [outdated, lost] = &mut outcome.lock().unwrap_or_else(PoisonError::into_inner).surfaces;

@@ -9,7 +9,7 @@
 mod canvas;
 #[cfg(target_arch = "wasm32")]
 mod page;
-pub mod showing;
+pub mod shown_scene;
 #[cfg(target_arch = "wasm32")]
 mod worker;
 

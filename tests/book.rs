@@ -6,7 +6,7 @@
 mod shown;
 
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::{Definition, Setting};
+use deepshade_shaders::effect::{Definition, EffectSetting};
 use shown::{Program, chapters, commands, files, lines, row, source, text};
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -52,7 +52,7 @@ fn readme_and_book_count_the_same_effects() {
     for effect in Effect::ALL {
         assert!(readme.contains(&format!("| `{effect}` | ")), "README.md has no row of {effect}");
         let Definition { meaning, lit_by, .. } = effect.definition();
-        let radius = if effect.listens_to(Setting::Radius) { "yes" } else { "no" };
+        let radius = if effect.listens_to(EffectSetting::Radius) { "yes" } else { "no" };
         let row = format!("| `{effect}` | {meaning} | {radius} | {} |", lit_by.words());
         assert!(effects.contains(&row), "effects.md has no row {row}");
     }

@@ -14,7 +14,7 @@ const MANIFEST: &str = "manifest.json";
 
 /// When a run is killed.
 #[derive(Debug)]
-enum Moment {
+enum KillTime {
     /// Once the journal has so many pairs.
     Pairs(usize),
     /// After a time.
@@ -53,12 +53,12 @@ fn journalled(out: &Path) -> usize {
 }
 
 /// Starts a run and kills it, or waits for its end where that comes first.
-fn disturb(out: &Path, moment: &Moment) {
+fn disturb(out: &Path, moment: &KillTime) {
     let mut child = start(out);
     let begin = Instant::now();
     let now = || match moment {
-        Moment::Pairs(pairs) => journalled(out) >= *pairs,
-        Moment::After(time) => begin.elapsed() >= *time,
+        KillTime::Pairs(pairs) => journalled(out) >= *pairs,
+        KillTime::After(time) => begin.elapsed() >= *time,
     };
     while !now() && child.try_wait().expect("asked").is_none() {
         std::thread::sleep(Duration::from_millis(1));
@@ -69,7 +69,7 @@ fn disturb(out: &Path, moment: &Moment) {
 }
 
 /// All files that bear a final name are those of an undisturbed run.
-fn assert_whole(out: &Path, undisturbed: &BTreeMap<String, Vec<u8>>, moment: &Moment) {
+fn assert_whole(out: &Path, undisturbed: &BTreeMap<String, Vec<u8>>, moment: &KillTime) {
     for (name, bytes) in files(out) {
         let unfinished = name == JOURNAL || name.contains(".deepshade-");
         assert!(unfinished || undisturbed.get(&name) == Some(&bytes), "{name} after {moment:?}");
@@ -90,10 +90,10 @@ fn a_run_killed_at_any_moment_ends_with_the_bytes_of_an_undisturbed_one() {
     let random = RandomState::new();
     let after = |index: u64| {
         let share = random.hash_one(index) as f64 / u64::MAX as f64;
-        Moment::After(whole.mul_f64(0.4 * share))
+        KillTime::After(whole.mul_f64(0.4 * share))
     };
     let moments =
-        [after(0), Moment::Pairs(1), after(1), Moment::Pairs(7), after(2), Moment::Pairs(12), after(3)];
+        [after(0), KillTime::Pairs(1), after(1), KillTime::Pairs(7), after(2), KillTime::Pairs(12), after(3)];
     let mut reached = Vec::new();
     for moment in &moments {
         disturb(&out, moment);

@@ -5,7 +5,8 @@
 #![cfg(feature = "train")]
 
 use deepshade_infer::{
-    ChannelOrder, Colour, Estimate, Filter, Head, Model, NetSpec, Parity, Reach, Weights, parity, reference,
+    AnalyticEstimate, ChannelOrder, Colour, Filter, Head, Model, NetSpec, Parity, Reach, Weights, parity,
+    reference,
 };
 use deepshade_shaders::Effect;
 use serde_json::Value;
@@ -61,7 +62,7 @@ fn networks_with_other_heads_than_the_image_agree() {
     let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, reach).expect("it has one");
     let [of_light, of_black] =
         [published, multi].map(|spec| spec.predicting_kernels().expect("it reads light"));
-    let estimate = Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
     let corrected = NetSpec::corrected(Effect::Ao, 8, estimate, reach).expect("gtao estimates it");
     for spec in [of_light, of_black, of_pixels, corrected] {
         let folder = tempfile::tempdir().expect("a folder");

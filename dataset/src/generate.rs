@@ -12,7 +12,7 @@ pub(crate) mod rendered;
 use crate::journal::{Journal, checked};
 use crate::manifest::{MANIFEST, Manifest, PairRecord};
 use crate::origin::{Origin, Out};
-use crate::plan::{Part, PlannedScene, PlannedView};
+use crate::plan::{PlannedScene, PlannedView, TrainingSplit};
 use crate::shard::Shard;
 use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Props, Recipe, SceneOrCapture, StagedScene, progress, truth};
@@ -111,8 +111,9 @@ fn generate_part(
     let total = plan.iter().map(|scene| scene.views.len()).sum();
     let bar = progress::bar("pairs", total, known.len());
     let props = Props::load(recipe)?;
-    let work = Work { recipe, method, props: &props, folder, journal: &journal, known: &known, bar: &bar };
-    let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| work.scene(scene))? };
+    let context =
+        PairContext { recipe, method, props: &props, folder, journal: &journal, known: &known, bar: &bar };
+    let manifest = Manifest { origin, pairs: by_scene(&plan, |_, scene| context.scene(scene))? };
     bar.finish_and_clear();
     manifest.save_list(folder, &list)?;
     journal.finish()?;
@@ -151,7 +152,7 @@ fn earlier_pairs(folder: &Path, list: &str, ours: &Origin) -> Result<Vec<PairRec
 }
 
 /// What all pairs share.
-struct Work<'a> {
+struct PairContext<'a> {
     recipe: &'a Recipe,
     method: Option<TargetMethod<'a>>,
     props: &'a Props,
@@ -161,7 +162,7 @@ struct Work<'a> {
     bar: &'a ProgressBar,
 }
 
-impl Work<'_> {
+impl PairContext<'_> {
     /// All pairs of a scene, which is only loaded if one of them is missing.
     fn scene(&self, scene: &PlannedScene) -> Result<Vec<PairRecord>, DatasetError> {
         let known = |view: &PlannedView| self.known.get(&file_name(&view.name)).cloned();
@@ -247,8 +248,8 @@ impl Work<'_> {
 }
 
 /// What a view's pair is used for.
-const fn part(view: &PlannedView) -> Part {
-    if view.held_apart { Part::Validation } else { Part::Training }
+const fn part(view: &PlannedView) -> TrainingSplit {
+    if view.held_apart { TrainingSplit::Validation } else { TrainingSplit::Training }
 }
 
 /// The file of a view's pair, in the dataset's folder.

@@ -45,7 +45,7 @@ pub use error::DatasetError;
 pub use generate::{Summary, generate, generate_by, generate_shard};
 pub use manifest::{Manifest, PairRecord};
 pub use origin::{Origin, Out, data_version};
-pub use plan::Part;
+pub use plan::TrainingSplit;
 pub use read::{Dataset, Pair};
 pub use recipe::{Radius, Recipe};
 pub use scene::{SceneOrCapture, SceneRecord};

@@ -3,7 +3,7 @@
 
 use crate::journal::Entry;
 use crate::origin::{Origin, Versioned};
-use crate::{DatasetError, Part, SceneRecord, Shard, Variation};
+use crate::{DatasetError, SceneRecord, Shard, TrainingSplit, Variation};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::atomic_file;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -31,7 +31,7 @@ pub struct PairRecord {
     /// Hash of the file, in hexadecimal.
     pub blake3: String,
     /// What it is used for.
-    pub part: Part,
+    pub part: TrainingSplit,
     /// The scene.
     pub scene: SceneRecord,
     /// Which of the scene's views.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// What a pair is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Part {
+pub enum TrainingSplit {
     /// Gradients.
     Training,
     /// Choosing the best checkpoint and tuning.

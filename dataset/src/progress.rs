@@ -76,9 +76,9 @@ fn short_left(left: Duration) -> String {
 }
 
 /// What draws a bar as lines, of which it leaves out those that come too soon after another.
-struct Lines<W>(Mutex<Said<W>>);
+struct Lines<W>(Mutex<LineWriter<W>>);
 
-struct Said<W> {
+struct LineWriter<W> {
     out: W,
     every: Duration,
     /// When a line was written, or the bar began; nothing where the first line is to come at once.
@@ -89,12 +89,12 @@ struct Said<W> {
 
 impl<W: Write + Send + 'static> Lines<W> {
     fn new(out: W, every: Duration) -> Self {
-        Self(Mutex::new(Said { out, every, last: Some(Instant::now()), line: String::new() }))
+        Self(Mutex::new(LineWriter { out, every, last: Some(Instant::now()), line: String::new() }))
     }
 
     /// Lines of which the first is written as soon as there is something to say.
     fn at_once(out: W, every: Duration) -> Self {
-        Self(Mutex::new(Said { out, every, last: None, line: String::new() }))
+        Self(Mutex::new(LineWriter { out, every, last: None, line: String::new() }))
     }
 
     /// It draws once a second at most.

@@ -1,7 +1,7 @@
 //! Reading a dataset.
 
 use crate::generate::{VARIANCE_LAYER, target_layer};
-use crate::{DatasetError, Manifest, PairRecord, Part, Props, Recipe, Shard};
+use crate::{DatasetError, Manifest, PairRecord, Props, Recipe, Shard, TrainingSplit};
 use deepshade_render::exr_file;
 use deepshade_shaders::{GBuffer, Planes};
 use std::path::{Path, PathBuf};
@@ -94,16 +94,16 @@ impl Dataset {
 
     /// Indices of the pairs to train on.
     pub fn training(&self) -> Vec<usize> {
-        self.part(Part::Training)
+        self.part(TrainingSplit::Training)
     }
 
     /// Indices of the pairs that are held apart from training.
     pub fn validation(&self) -> Vec<usize> {
-        self.part(Part::Validation)
+        self.part(TrainingSplit::Validation)
     }
 
     /// Indices of the pairs of a part.
-    pub fn part(&self, part: Part) -> Vec<usize> {
+    pub fn part(&self, part: TrainingSplit) -> Vec<usize> {
         (0..self.len()).filter(|index| self.manifest.pairs[*index].part == part).collect()
     }
 

@@ -22,7 +22,7 @@ pub use fog::Fog;
 pub use lamp::Lamp;
 pub use props::{Props, hashes};
 pub use staged::StagedScene;
-pub use timeline::{Moment, Timeline};
+pub use timeline::{Timeline, TimelineMoment};
 
 use crate::Sensor;
 use serde::{Deserialize, Serialize};

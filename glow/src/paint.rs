@@ -37,7 +37,7 @@ pub struct Paint {
 
 /// Light that stays the same for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lit {
+pub struct LightInterval {
     /// For how long, seconds.
     pub seconds: f32,
     /// Irradiance, linear RGB.
@@ -84,7 +84,7 @@ impl Paint {
 
     /// The excited share of each state after a past, which began with `start` of each excited. What is no
     /// amount of light is none, and endless light fills a state.
-    pub fn after(&self, start: f32, past: impl Iterator<Item = Lit> + Clone) -> [f32; MOST_STATES] {
+    pub fn after(&self, start: f32, past: impl Iterator<Item = LightInterval> + Clone) -> [f32; MOST_STATES] {
         self.after_steps(start, past.map(|lit| (lit, Steps::EXACT)))
     }
 
@@ -92,11 +92,11 @@ impl Paint {
     pub fn after_steps(
         &self,
         start: f32,
-        past: impl Iterator<Item = (Lit, Steps)> + Clone,
+        past: impl Iterator<Item = (LightInterval, Steps)> + Clone,
     ) -> [f32; MOST_STATES] {
         let mut shares = [0.0; MOST_STATES];
         for (share, state) in shares.iter_mut().zip(&self.states) {
-            let step = |share: f64, (lit, Steps { scheme, count }): (Lit, Steps)| {
+            let step = |share: f64, (lit, Steps { scheme, count }): (LightInterval, Steps)| {
                 let (charge, seconds) = (state.charge(lit.irradiance), f64::from(lit.seconds));
                 let (charge, decay) = (f64::from(charge), f64::from(state.decay));
                 let one = |share, _| scheme.step(share, charge, decay, seconds / f64::from(count));
@@ -169,7 +169,7 @@ mod tests {
         let state = PaintState { decay: 0.0, excitation: Vec3::ONE, emission: Vec3::ONE };
         let paint = Paint { name: "test".to_owned(), states: vec![state] };
         let under = |irradiance: Vec3, seconds: f32| {
-            paint.after(0.25, std::iter::once(Lit { seconds, irradiance }))[0]
+            paint.after(0.25, std::iter::once(LightInterval { seconds, irradiance }))[0]
         };
         assert_eq!([under(Vec3::NAN, 1.0), under(Vec3::NEG_ONE, 1.0), under(Vec3::ONE, 0.0)], [0.25; 3]);
         assert_eq!([under(Vec3::INFINITY, 1.0), under(Vec3::ONE, f32::MAX)], [1.0; 2]);

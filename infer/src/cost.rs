@@ -1,6 +1,6 @@
 //! What a network costs, counted and not measured: multiply-adds, and numbers that must move.
 
-use crate::{Filter, Head, Layer, NetSpec, Source};
+use crate::{BlockSource, Filter, Head, Layer, NetSpec};
 
 /// What a layer costs on one image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,15 +46,16 @@ impl NetSpec {
             let frame = pixels(layer.level);
             let made = layer.outputs * frame;
             let read = match layer.source {
-                Source::Input | Source::Folded => 0,
-                Source::Plain(_) | Source::Pooled(_) => layer.inputs * frame,
-                Source::Joined { coarse, skip, .. } => {
+                BlockSource::Input | BlockSource::Folded => 0,
+                BlockSource::Plain(_) | BlockSource::Pooled(_) => layer.inputs * frame,
+                BlockSource::Joined { coarse, skip, .. } => {
                     layers[coarse].outputs * pixels(layer.level + 1) + layers[skip].outputs * frame
                 }
             };
             let input = if layer.source.is_input() { self.input_channels() * height * width } else { 0 };
-            let is_pooled =
-                layers.iter().any(|other| matches!(other.source, Source::Pooled(of) if layers[of] == *layer));
+            let is_pooled = layers
+                .iter()
+                .any(|other| matches!(other.source, BlockSource::Pooled(of) if layers[of] == *layer));
             let pooled = if is_pooled { layer.outputs * pixels(layer.level + 1) } else { 0 };
             let (map, image) = if layer.activation { (made, 0) } else { (0, made) };
             let weights = layer.weight_count();

@@ -21,6 +21,7 @@
 
 mod arena;
 mod convenience;
+mod device_layer;
 mod files;
 mod fit;
 mod frame_recording;
@@ -30,13 +31,12 @@ mod input_passes;
 mod io;
 pub mod kernel;
 mod limits;
+mod map_layout;
 mod maps;
 mod network;
 pub mod packing;
 mod plan;
 mod recording;
-mod room;
-mod stage;
 mod storage;
 mod tiles;
 mod tuning;

@@ -22,7 +22,7 @@ pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;
 pub use spec::{
-    Block, ChannelOrder, Colour, Correction, Estimate, Head, Layer, NetSpec, Source, SpecError, Trained,
-    TrainedUnder, UNet,
+    AnalyticEstimate, Block, BlockSource, ChannelOrder, Colour, Correction, Head, Layer, NetSpec, SpecError,
+    Trained, TrainedUnder, UNet,
 };
 pub use weights::{LayerWeights, Weights};

@@ -1,6 +1,6 @@
 //! How far a network looks: what a tile of an image must see around what it keeps.
 
-use crate::{NetSpec, Source};
+use crate::{BlockSource, NetSpec};
 
 /// Pixels along one axis, both ends included.
 type Span = [isize; 2];
@@ -28,11 +28,11 @@ impl NetSpec {
             let radius = (layer.kernel / 2) as isize;
             let seen = [first - radius, last + radius];
             match layer.source {
-                Source::Input => input = [input[0].min(seen[0]), input[1].max(seen[1])],
-                Source::Folded => input = [input[0].min(2 * seen[0]), input[1].max(2 * seen[1] + 1)],
-                Source::Plain(from) => add(&mut needed[from], seen),
-                Source::Pooled(from) => add(&mut needed[from], [2 * seen[0], 2 * seen[1] + 1]),
-                Source::Joined { coarse, skip, .. } => {
+                BlockSource::Input => input = [input[0].min(seen[0]), input[1].max(seen[1])],
+                BlockSource::Folded => input = [input[0].min(2 * seen[0]), input[1].max(2 * seen[1] + 1)],
+                BlockSource::Plain(from) => add(&mut needed[from], seen),
+                BlockSource::Pooled(from) => add(&mut needed[from], [2 * seen[0], 2 * seen[1] + 1]),
+                BlockSource::Joined { coarse, skip, .. } => {
                     add(&mut needed[coarse], before_doubling(seen));
                     add(&mut needed[skip], seen);
                 }

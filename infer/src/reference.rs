@@ -3,7 +3,7 @@
 mod filter;
 
 use crate::spec::{channels, joined_order};
-use crate::{Activation, Head, Layer, LayerWeights, NetSpec, Source, Weights};
+use crate::{Activation, BlockSource, Head, Layer, LayerWeights, NetSpec, Weights};
 use deepshade_shaders::Planes;
 use rayon::prelude::*;
 
@@ -86,11 +86,11 @@ pub(crate) fn layer(
 ) -> Planes {
     let convolved = |image: &Planes| convolved(image, layer, weights);
     let mut image = match layer.source {
-        Source::Input => convolved(input),
-        Source::Folded => convolved(&folded(input)),
-        Source::Plain(from) => convolved(&made[from]),
-        Source::Pooled(from) => convolved(&pooled(&made[from])),
-        Source::Joined { coarse, skip, groups } => {
+        BlockSource::Input => convolved(input),
+        BlockSource::Folded => convolved(&folded(input)),
+        BlockSource::Plain(from) => convolved(&made[from]),
+        BlockSource::Pooled(from) => convolved(&pooled(&made[from])),
+        BlockSource::Joined { coarse, skip, groups } => {
             convolved(&joined(&doubled(&made[coarse]), &made[skip], groups))
         }
     };

@@ -7,7 +7,7 @@ mod trained;
 mod trunk;
 mod u_net;
 
-pub use block::{Block, Layer, Source, joined_order};
+pub use block::{Block, BlockSource, Layer, joined_order};
 pub use head::{Correction, Head, channels};
 pub use trained::{Outside, Trained, TrainedUnder};
 pub use u_net::{ChannelOrder, UNet};
@@ -48,7 +48,7 @@ pub struct NetSpec {
     pub inputs: Vec<Attribute>,
     /// Analytic methods that make some of the inputs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<AnalyticEstimate>,
     /// Which colour channels a run makes.
     #[serde(default)]
     pub colour: Colour,
@@ -72,7 +72,7 @@ pub struct NetSpec {
 /// An analytic method whose image a network reads.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Estimate {
+pub struct AnalyticEstimate {
     /// Its name.
     pub method: String,
     /// Its quality: `low`, `medium`, `high` or `ultra`.
@@ -135,7 +135,12 @@ pub enum SpecError {
 impl NetSpec {
     /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many
     /// channels at half the resolution; none where no method does.
-    pub fn corrected(effect: Effect, channels: usize, estimate: Estimate, reach: Reach) -> Option<Self> {
+    pub fn corrected(
+        effect: Effect,
+        channels: usize,
+        estimate: AnalyticEstimate,
+        reach: Reach,
+    ) -> Option<Self> {
         use Attribute::{Border, Normal, Openness, PixelRadius, RawOpenness, Relief};
         let (inputs, of, over) = match effect {
             Effect::Ao => {
@@ -152,7 +157,7 @@ impl NetSpec {
     pub fn correcting(
         effect: Effect,
         inputs: Vec<Attribute>,
-        estimates: Vec<Estimate>,
+        estimates: Vec<AnalyticEstimate>,
         correction: Correction,
         channels: usize,
         reach: Reach,
@@ -237,14 +242,14 @@ impl NetSpec {
             if layer.level > MOST_LEVEL {
                 return Err(wrong("is on a level below the seventh"));
             }
-            if let Source::Pooled(from) = layer.source
-                && matches!(layers[from].source, Source::Joined { .. })
+            if let BlockSource::Pooled(from) = layer.source
+                && matches!(layers[from].source, BlockSource::Joined { .. })
             {
                 return Err(wrong("pools a block that joins two"));
             }
             let Layer { groups, inputs, outputs, .. } = *layer;
             let mut divides = inputs % groups == 0 && outputs % groups == 0;
-            if let Source::Joined { coarse, skip, groups } = layer.source {
+            if let BlockSource::Joined { coarse, skip, groups } = layer.source {
                 if layers[coarse].level != layers[skip].level + 1 {
                     return Err(wrong("joins blocks that are not one level apart"));
                 }

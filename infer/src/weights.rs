@@ -1,6 +1,6 @@
 //! The weights of a network, layer by layer, as plain arrays.
 
-use crate::{Head, Layer, NetSpec, Source, parity, reference};
+use crate::{BlockSource, Head, Layer, NetSpec, parity, reference};
 use deepshade_shaders::random::random;
 
 /// Weights and biases of one layer.
@@ -102,9 +102,9 @@ fn scales(made: &[parity::Activation]) -> Vec<f32> {
 /// For each channel that a layer reads the factor of the layer from which it is.
 fn factors_read(layers: &[Layer], layer: &Layer, factors: &[f32]) -> Vec<f32> {
     let of = |channel: usize| match layer.source {
-        Source::Input | Source::Folded => 1.0,
-        Source::Plain(from) | Source::Pooled(from) => factors[from],
-        Source::Joined { coarse, skip, .. } => {
+        BlockSource::Input | BlockSource::Folded => 1.0,
+        BlockSource::Plain(from) | BlockSource::Pooled(from) => factors[from],
+        BlockSource::Joined { coarse, skip, .. } => {
             factors[if channel < layers[coarse].outputs { coarse } else { skip }]
         }
     };

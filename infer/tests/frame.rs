@@ -4,7 +4,7 @@ use deepshade_infer::forward::{
     ForwardError, FrameRecording, FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource,
 };
 use deepshade_infer::parity::noise;
-use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Network, Reach, Scaling, Weights, reference};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
 
@@ -18,7 +18,7 @@ fn gpu() -> Gpu {
 
 /// The network that corrects an estimate of ambient occlusion.
 fn corrected() -> NetSpec {
-    let estimate = Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
     NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one")
 }
 

@@ -29,7 +29,7 @@ const STARTS: usize = 4;
 
 /// A place of an animated scene, and how it should look.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct TargetPoint {
     /// The bands of irradiance, colours and the material.
     pub bands: Bands,
     /// Between frames, in seconds.
@@ -80,7 +80,7 @@ impl Design {
     ///
     /// # Errors
     /// If the number of states is neither, or a place makes no sense, or they have not the same bands.
-    pub fn new(name: &str, places: &[Place], states: usize) -> Result<Self, DesignError> {
+    pub fn new(name: &str, places: &[TargetPoint], states: usize) -> Result<Self, DesignError> {
         if !(1..=MAX_STATES).contains(&states) {
             return Err(DesignError(format!("{states} states: 1 or {MAX_STATES} can be designed")));
         }
@@ -113,7 +113,7 @@ impl Design {
 }
 
 /// Whether a material can be designed for some places.
-fn checked(places: &[Place]) -> Result<(), DesignError> {
+fn checked(places: &[TargetPoint]) -> Result<(), DesignError> {
     let fails = |fault: &str| DesignError(fault.to_owned());
     let first = places.first().ok_or_else(|| fails("a design needs one place at least"))?;
     if places.iter().any(|place| place.bands != first.bands) {
@@ -122,7 +122,7 @@ fn checked(places: &[Place]) -> Result<(), DesignError> {
     (1..).zip(places).try_for_each(|(number, place)| place.check(number).map_err(DesignError))
 }
 
-impl Place {
+impl TargetPoint {
     /// Whether the place of this number makes sense; else what does not.
     fn check(&self, place: usize) -> Result<(), String> {
         let (bands, frames) = (self.bands.count(), self.irradiance.len());

@@ -16,10 +16,10 @@ mod start;
 mod warning;
 
 pub use files::FilesError;
-pub use interval::{CONFIDENCE, Estimate, Parameter};
+pub use interval::{CONFIDENCE, Parameter, ParameterEstimate};
 pub use measurement::{Charged, Exposure, Filtered, Measurement, Shot, relative_gain};
 pub use photographs::{ExrReader, PhotographsError};
-pub use prediction::Part;
+pub use prediction::MeasurementKind;
 pub use simulated::Laboratory;
 pub use warning::Warning;
 
@@ -39,7 +39,7 @@ pub struct Fit {
     /// The material, its states from the fastest to the slowest.
     pub material: Material,
     /// Its parameters with their intervals.
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<ParameterEstimate>,
     /// Each measured value with what the material explains of it; three a photograph.
     pub values: Vec<Explained>,
     /// Bands, from 0 on, of which no photograph says how their light excites it. Its rates have 0 for them,
@@ -56,7 +56,7 @@ pub struct Fit {
 #[derive(Clone, Copy, Debug)]
 pub struct Explained {
     /// Which measurement it is of.
-    pub part: Part,
+    pub part: MeasurementKind,
     /// Of which filter or band it is, from 0 on; 0 of the decay.
     pub place: usize,
     /// When it was taken: seconds in the dark for decay and spectrum, seconds of light for excitation.
@@ -149,7 +149,8 @@ impl Fit {
     /// 0 where nothing changes.
     pub fn explained(&self) -> f64 {
         let of_channel = |channel: usize| {
-            let is_its = move |value: &&Explained| value.part == Part::Decay && value.channel == channel;
+            let is_its =
+                move |value: &&Explained| value.part == MeasurementKind::Decay && value.channel == channel;
             let values: Vec<&Explained> = self.values.iter().filter(is_its).collect();
             let mean = values.iter().map(|value| value.measured).sum::<f64>() / values.len() as f64;
             let squares =

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use deepshade_glow::file::MaterialFile;
     use deepshade_glow::material::State;
-    use deepshade_glow::paint::{Lit, Paint};
+    use deepshade_glow::paint::{LightInterval, Paint};
     use deepshade_glow::spectrum::Bands;
     use glam::{DVec3, Vec3};
 
@@ -97,7 +97,10 @@ mod tests {
             run.step(&material.bands.of_linear_srgb(light), 3.0).expect("a step");
             run.step(&vec![0.0; material.bands.count()], 2.0).expect("a step");
             let irradiance = DVec3::from(light).as_vec3();
-            let past = [Lit { seconds: 3.0, irradiance }, Lit { seconds: 2.0, irradiance: Vec3::ZERO }];
+            let past = [
+                LightInterval { seconds: 3.0, irradiance },
+                LightInterval { seconds: 2.0, irradiance: Vec3::ZERO },
+            ];
             let shares = paint.after(0.0, past.into_iter());
             assert!((f64::from(shares[0]) - run.shares[0]).abs() < 1e-6, "{}", material.name);
             let expected = material.bands.linear_srgb(&run.emission()).map(|part| part.max(0.0) as f32);

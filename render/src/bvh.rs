@@ -7,7 +7,7 @@
 
 pub mod bundle;
 pub mod clock;
-pub mod moment;
+pub mod scene_at_time;
 mod translucent;
 mod wide;
 
@@ -16,13 +16,13 @@ use crate::scene::memory;
 use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError, SceneSource};
 use bundle::World;
 use glam::{Vec2, Vec3, Vec3A};
-use moment::{Moment, Swept};
 use obvhs::{
     Boundable, BvhBuildParams,
     bvh2::{Bvh2, leaf_collapser::collapse, reinsertion::ReinsertionOptimizer},
     ploc::PlocBuilder,
     triangle::Triangle,
 };
+use scene_at_time::{SceneAtTime, Swept};
 use std::sync::Arc;
 use wide::{Fan, Ray, Wide};
 
@@ -194,8 +194,8 @@ impl TracedScene {
 
     /// The scene at a moment of the exposure, from -0.5 at its beginning to 0.5 at its end. Times outside are
     /// those two. Everything else here shows the middle, 0.
-    pub const fn at(&self, time: f32) -> Moment<'_> {
-        Moment::new(self, time)
+    pub const fn at(&self, time: f32) -> SceneAtTime<'_> {
+        SceneAtTime::new(self, time)
     }
 
     /// The nearest surface that a camera sees along a ray, up to `reach` lengths of `direction`. What masks

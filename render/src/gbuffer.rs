@@ -44,7 +44,7 @@ pub fn render(
                 let point = SurfacePoint::new(scene, &hit, *direction);
                 let to_camera = -*direction;
                 let direct = if lit { direct_light(scene, &point, to_camera) } else { Default::default() };
-                let seen = Seen { camera, height, point: &point, to_camera, direct };
+                let seen = PixelHit { camera, height, point: &point, to_camera, direct };
                 let values = &mut rows[(y * width + x) * channels..][..channels];
                 write_pixel(values, attributes, &seen);
             }
@@ -55,7 +55,7 @@ pub fn render(
 }
 
 /// What a pixel sees.
-struct Seen<'a> {
+struct PixelHit<'a> {
     camera: &'a Camera,
     /// Rows of the image.
     height: usize,
@@ -64,7 +64,7 @@ struct Seen<'a> {
     direct: DirectLight,
 }
 
-impl Seen<'_> {
+impl PixelHit<'_> {
     /// An attribute; components beyond its width are not used.
     fn value(&self, attribute: Attribute) -> Vec3 {
         let Self { camera, height, point, .. } = *self;
@@ -129,7 +129,7 @@ fn polar(movement: Vec2) -> Vec2 {
     Vec2::new(if direction < PI { direction } else { 0.0 }, movement.length())
 }
 
-fn write_pixel(values: &mut [f32], attributes: &[Attribute], seen: &Seen<'_>) {
+fn write_pixel(values: &mut [f32], attributes: &[Attribute], seen: &PixelHit<'_>) {
     let mut at = 0;
     for attribute in attributes {
         let width = attribute.width();

@@ -5,7 +5,7 @@ mod start;
 
 pub(crate) use start::{Start, blended};
 
-use crate::bvh::{Hit, corner_weights, moment::Moment};
+use crate::bvh::{Hit, corner_weights, scene_at_time::SceneAtTime};
 use crate::scene::{Mesh, Surface};
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 
@@ -31,8 +31,8 @@ pub struct SurfacePoint {
 impl SurfacePoint {
     /// The point of a hit, seen against `direction`, of a scene or of it at the moment of the hit. Shading
     /// normals turn with their triangles as these move.
-    pub fn new<'a>(scene: impl Into<Moment<'a>>, hit: &Hit, direction: Vec3) -> Self {
-        let moment: Moment<'_> = scene.into();
+    pub fn new<'a>(scene: impl Into<SceneAtTime<'a>>, hit: &Hit, direction: Vec3) -> Self {
+        let moment: SceneAtTime<'_> = scene.into();
         let scene = moment.scene();
         let mesh = &scene.meshes[hit.mesh as usize];
         let corners = mesh.triangles[hit.triangle as usize];

@@ -2,13 +2,13 @@
 //! also from the scene behind it, and each has a plain version on the CPU that it is checked against.
 //!
 //! A [`Technique`] says which attributes it reads and which passes it has; on a device it is a
-//! [`ScreenMethod`]. A [`Plan`] is those passes bound to a g-buffer on the GPU, whoever made that: the frame
-//! loop, which renders it there, or [`Method::shade`], which sends one over. A plan is made once for a size
-//! of image; from frame to frame only its uniforms change.
+//! [`ScreenMethod`]. [`MethodPasses`] are those passes bound to a g-buffer on the GPU, whoever made that: the
+//! frame loop, which renders it there, or [`Method::shade`], which sends one over. They are made once for a
+//! size of image; from frame to frame only their uniforms change.
 
 mod device;
 mod gbuffer;
-mod plan;
+mod method_passes;
 mod processor;
 pub mod reprojection;
 pub(crate) mod surface;
@@ -17,7 +17,7 @@ pub mod upsampling;
 
 pub use device::Device;
 pub use gbuffer::GpuGBuffer;
-pub use plan::{MethodStep, Plan, Step, Workgroups};
+pub use method_passes::{MethodPasses, MethodStep, PassDispatch, Workgroups};
 pub use reprojection::Reprojection;
 pub use surface::Surface;
 pub use technique::{About, Resources, Technique};
@@ -175,12 +175,12 @@ impl ScreenMethod {
         let world = world.transpose().map_err(failed)?;
         let environment = frame.scene.scene().environment.as_deref();
         let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
-        let plan = Plan::new(self, &inputs, &view).map_err(failed)?;
+        let passes = MethodPasses::new(self, &inputs, &view).map_err(failed)?;
         let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
-            plan.encode(encoder);
+            passes.encode(encoder);
         })
         .map_err(failed)?;
-        let image = gpu::read(device, queue, plan.output()).map_err(failed)?;
+        let image = gpu::read(device, queue, passes.output()).map_err(failed)?;
         let image = Planes::from_data(effect.channels(), view.height, view.width, image);
         let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
         let device = self.gpu.info.name.clone();

@@ -6,7 +6,7 @@ use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::{Quality, aov, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::scene::{Camera, Material, Mesh, Scene};
-use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, GBuffer, Planes};
 use glam::{Mat3, Vec2, Vec3};
@@ -62,9 +62,9 @@ fn image(gpu: &Gpu, world: &World, method: &ScreenMethod) -> Result<Vec<f32>, Gp
     let gbuffer = floor();
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, &ATTRIBUTES).expect("attributes");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };
-    let plan = Plan::new(method, &inputs, &view())?;
-    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder))?;
-    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output())?;
+    let passes = MethodPasses::new(method, &inputs, &view())?;
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder))?;
+    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, passes.output())?;
     let valid = gbuffer.select(&[Attribute::Valid]).expect("a mask");
     Ok(image.into_iter().zip(valid.data()).filter(|(_, valid)| **valid > 0.5).map(|(open, _)| open).collect())
 }

@@ -2,7 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use deepshade_render::raster::Frame;
-use deepshade_render::raster::frame::{Settings, Stage};
+use deepshade_render::raster::frame::{FrameStage, RasterSettings};
 use deepshade_render::scene::procedural::Family;
 use deepshade_render::scene::{AnimatedScene, Camera};
 use deepshade_shaders::Attribute;
@@ -25,13 +25,13 @@ fn drawing_again_and_again_takes_no_more_memory() {
     let bounds = animated.scene.bounds();
     let camera = Camera::look_at(bounds.centre() + bounds.size() * Vec3::new(0.3, 0.4, 0.5), bounds.centre());
     let attributes = vec![Attribute::Light, Attribute::Normal, Attribute::Valid];
-    let settings = Settings { height: 32, width: 48, attributes, shadow_size: Some(256) };
+    let settings = RasterSettings { height: 32, width: 48, attributes, shadow_size: Some(256) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let mut frames = |count: usize| {
         for _ in 0..count {
             frame.set(&gpu.queue, 0.0, 0.0, &camera);
             gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-                Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+                FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
             })
             .expect("valid passes");
             gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("a device");

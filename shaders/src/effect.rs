@@ -4,7 +4,7 @@ mod definition;
 mod table;
 
 use crate::{Attribute, GBuffer, Planes, names};
-pub use definition::{Definition, DoingNothing, LitBy, Setting};
+pub use definition::{Definition, DoingNothing, EffectSetting, LitBy};
 use serde::{Deserialize, Serialize};
 use table::TABLE;
 
@@ -139,7 +139,7 @@ impl Effect {
     }
 
     /// Whether a setting changes it.
-    pub fn listens_to(self, setting: Setting) -> bool {
+    pub fn listens_to(self, setting: EffectSetting) -> bool {
         self.definition().listens_to.contains(&setting)
     }
 }

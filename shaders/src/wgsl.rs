@@ -12,10 +12,10 @@ pub mod head;
 mod import;
 pub mod net_image;
 pub mod net_input;
-mod place;
+mod source_line;
 pub mod uniforms;
 
-pub(crate) use place::located;
+pub(crate) use source_line::located;
 
 use import::Product;
 use std::fmt::Write;
@@ -200,7 +200,7 @@ pub(crate) mod tests {
         let sources = [sources, nets.concat(), frames.concat()].concat();
         assert!(sources.iter().all(|source| !source.lines().any(|line| line.trim_start().starts_with('#'))));
         let parts: std::collections::BTreeSet<&str> =
-            sources.iter().flat_map(|source| place::files(source)).collect();
+            sources.iter().flat_map(|source| source_line::files(source)).collect();
         assert_eq!(parts.into_iter().collect::<Vec<_>>(), import::files().collect::<Vec<_>>());
     }
 

@@ -5,10 +5,10 @@ use crate::arguments::Size;
 use crate::complete::Additions;
 use crate::figures::{Figures, memory};
 use crate::learned::{self, Learned};
-use crate::live::stage::{self, Seen};
-use crate::live::{Live, Wanted};
+use crate::live::animated_view::{self, ViewRequest};
+use crate::live::{Live, LiveSettings};
+use crate::location::Location;
 use crate::methods::{self, LEARNED};
-use crate::place::Place;
 use crate::props;
 use crate::radius;
 use crate::views::Viewpoint;
@@ -48,7 +48,7 @@ pub struct Args {
     methods: Vec<(Effect, String)>,
     /// Folder or address of the network of `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// How much time methods may take for a better image: low, medium, high or ultra.
     #[arg(long, default_value = "medium")]
     quality: Quality,
@@ -66,7 +66,7 @@ pub struct Args {
     #[arg(long, value_parser = crate::arguments::written_file)]
     json: Option<PathBuf>,
     #[command(flatten)]
-    stage: stage::Args,
+    motion: animated_view::Args,
 }
 
 /// Reads EFFECT:METHOD.
@@ -76,7 +76,7 @@ fn method(text: &str) -> Result<(Effect, String), String> {
 }
 
 /// What was measured at one size.
-struct Measured {
+struct FrameTimes {
     size: Size,
     /// Median and 95th percentile of each pass, milliseconds.
     passes: Vec<(String, f64, f64)>,
@@ -92,7 +92,7 @@ struct Measured {
 /// If the scene cannot be read, a method does not exist, or the device fails.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
-    let measured: Vec<Measured> =
+    let measured: Vec<FrameTimes> =
         args.sizes.iter().map(|size| measure(args, &gpu, *size)).collect::<Result<_>>()?;
     let mut figures = Figures::new("bench frame");
     let first = measured.first().context("--sizes names no size")?;
@@ -115,17 +115,17 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("sizes", sizes.collect());
     figures.detail("scene", json!(args.scene.to_string()));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.detail("frames", json!(args.stage.frames()));
+    figures.detail("frames", json!(args.motion.frames()));
     figures.detail("quality", json!(args.quality.name()));
     figures.write(args.json.as_deref())?;
     measured.iter().try_for_each(print)
 }
 
-fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
+fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<FrameTimes> {
     let rows_and_columns = [size.height, size.width];
     let chosen = chosen(args);
     let effects: Vec<Effect> = chosen.iter().map(|(effect, _)| *effect).chain([Effect::Aa]).collect();
-    let seen = Seen {
+    let request = ViewRequest {
         source: &args.scene,
         time: args.time,
         effects: &effects,
@@ -136,28 +136,28 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         seed: 0,
         learned: None,
     };
-    let staged = args.stage.stage(&seen)?;
+    let animated_view = args.motion.open(&request)?;
     let (methods, learned) = opened(args, &chosen, gpu)?;
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
-    let wanted = Wanted {
+    let wanted = LiveSettings {
         size: rows_and_columns,
         methods,
         learned,
         attributes: vec![Attribute::Light, Attribute::Valid],
         temporal: false,
-        radius: radius::wanted(None, reach, &effects, staged.space()),
+        radius: radius::wanted(None, reach, &effects, animated_view.space()),
         shutter: args.shutter,
     };
-    let mut live = Live::new(gpu, &staged.animated, &staged.camera, wanted)?;
-    let bar = progress::bar("frames", args.stage.frames() as usize, 0);
+    let mut live = Live::new(gpu, &animated_view.animated, &animated_view.camera, wanted)?;
+    let bar = progress::bar("frames", args.motion.frames() as usize, 0);
     for frame in 0..WARM_UP {
-        live.make(staged.time(frame, args.time), frame, &staged.camera(frame))?;
+        live.make(animated_view.time(frame, args.time), frame, &animated_view.camera(frame))?;
     }
     let before = memory();
     let start = Instant::now();
     let mut times = Vec::new();
-    for frame in 0..args.stage.frames() {
-        times.extend(live.make(staged.time(frame, args.time), frame, &staged.camera(frame))?);
+    for frame in 0..args.motion.frames() {
+        times.extend(live.make(animated_view.time(frame, args.time), frame, &animated_view.camera(frame))?);
         bar.inc(1);
     }
     times.extend(live.finish()?);
@@ -168,10 +168,10 @@ fn measure(args: &Args, gpu: &Gpu, size: Size) -> Result<Measured> {
         let of_pass: Vec<f64> = times.iter().map(|times| times[pass]).collect();
         (name, lists::median(of_pass.clone()), lists::quantile(of_pass, 0.95))
     });
-    Ok(Measured {
+    Ok(FrameTimes {
         size,
         passes: passes.collect(),
-        frames_a_second: f64::from(args.stage.frames()) / seconds,
+        frames_a_second: f64::from(args.motion.frames()) / seconds,
         growth: memory().zip(before).map(|(after, before)| after - before),
     })
 }
@@ -197,14 +197,14 @@ fn opened(args: &Args, chosen: &[(Effect, String)], gpu: &Gpu) -> Result<Opened>
     );
     let open = |(effect, name): &(Effect, String)| methods::open_screen(*effect, name, gpu, args.quality);
     let learned = networks.first().map(|(effect, _)| {
-        let usual = || Place::Folder(learned::usual_folder(*effect));
+        let usual = || Location::Folder(learned::usual_folder(*effect));
         let folder = args.model.clone().unwrap_or_else(usual).read()?;
         anyhow::Ok(Learned::new(gpu, &learned::network(&folder, Some(*effect))?)?)
     });
     Ok((others.into_iter().map(open).collect::<Result<_>>()?, learned.transpose()?))
 }
 
-fn print(measured: &Measured) -> Result<()> {
+fn print(measured: &FrameTimes) -> Result<()> {
     say!("{}: {:.1} frames a second", measured.size, measured.frames_a_second)?;
     for (name, median, p95) in &measured.passes {
         say!("  {name:<16} {median:>9.3} ms   p95 {p95:>9.3} ms")?;

@@ -1,7 +1,7 @@
 //! PyTorch as a rival, where a Python has it.
 
 use anyhow::{Context, Result, ensure};
-use deepshade_infer::{Head, Model, NetSpec, Source, parity, reference};
+use deepshade_infer::{BlockSource, Head, Model, NetSpec, parity, reference};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -100,15 +100,17 @@ fn network(spec: &NetSpec) -> Value {
     let finite = |bound: f32| bound.is_finite().then_some(bound);
     let layer = |layer: &deepshade_infer::Layer| {
         let (source, of) = match layer.source {
-            Source::Input => ("input", vec![]),
-            Source::Folded => ("folded", vec![]),
-            Source::Plain(of) => ("plain", vec![of]),
-            Source::Pooled(of) => ("pooled", vec![of]),
-            Source::Joined { coarse, skip, .. } => ("joined", vec![coarse, skip]),
+            BlockSource::Input => ("input", vec![]),
+            BlockSource::Folded => ("folded", vec![]),
+            BlockSource::Plain(of) => ("plain", vec![of]),
+            BlockSource::Pooled(of) => ("pooled", vec![of]),
+            BlockSource::Joined { coarse, skip, .. } => ("joined", vec![coarse, skip]),
         };
         let order = match layer.source {
-            Source::Joined { .. } => json!(layer.read_order(&layers)),
-            Source::Input | Source::Folded | Source::Plain(_) | Source::Pooled(_) => Value::Null,
+            BlockSource::Joined { .. } => json!(layer.read_order(&layers)),
+            BlockSource::Input | BlockSource::Folded | BlockSource::Plain(_) | BlockSource::Pooled(_) => {
+                Value::Null
+            }
         };
         let (inputs, outputs, groups) = (layer.inputs, layer.outputs, layer.groups);
         json!({

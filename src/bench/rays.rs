@@ -6,17 +6,17 @@
 //! Materials are made opaque, since what a texture lets through is no question of traversal. Rays are made
 //! beforehand; all ways to trace them take turns, so that what else the machine does falls on all of them.
 
-mod contest;
+mod ray_bench;
 mod sets;
 
 pub use sets::Ray;
 
 use crate::{figures::Figures, views};
 use anyhow::{Result, ensure};
-use contest::{Contest, Outcome};
 use deepshade_dataset::progress;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::{AlphaMode, Scene, SceneSource};
+use ray_bench::{RayBench, RayRates};
 use serde_json::json;
 use sets::RaySet;
 use std::path::PathBuf;
@@ -104,8 +104,8 @@ fn measure(args: &Args, command: &str, rival: Option<RivalOf<'_>>) -> Result<()>
     ensure!(sets.iter().all(|set| !set.rays.is_empty()), "the views of {} see nothing", args.scene);
     let runs = usize::from(args.runs);
     let bar = progress::bar("rounds", sets.len() * runs, 0);
-    let contest = Contest { scene: &scene, rival: rival.as_deref(), runs, finished: &|| bar.inc(1) };
-    let outcomes: Vec<(&RaySet, Outcome)> = sets.iter().map(|set| (set, contest.of(set))).collect();
+    let ray_bench = RayBench { scene: &scene, rival: rival.as_deref(), runs, finished: &|| bar.inc(1) };
+    let outcomes: Vec<(&RaySet, RayRates)> = sets.iter().map(|set| (set, ray_bench.of(set))).collect();
     bar.finish_and_clear();
 
     let diagonal = scene.diagonal();

@@ -51,21 +51,21 @@ pub fn run(args: &Args) -> Result<()> {
         Ok(rival) => (rival, Ok(())),
         Err(error) => (None, Err(error)),
     };
-    let measured = Measured { config, steps, times, rival };
+    let measured = TrainingSpeed { config, steps, times, rival };
     let written = measured.figures().write(args.json.as_deref());
     let said = measured.say();
     written.and(failure).and(said)
 }
 
 /// What was measured.
-struct Measured {
+struct TrainingSpeed {
     config: TrainConfig,
     steps: usize,
     times: bench::StepTimes,
     rival: Option<pytorch::Report>,
 }
 
-impl Measured {
+impl TrainingSpeed {
     /// Seconds of a step.
     fn seconds(&self) -> f64 {
         self.config.batch as f64 / self.times.images_per_second

@@ -1,7 +1,7 @@
 //! A comparison as a whole, whether a TOML file or the command line says what it is, and the file that it
 //! writes.
 
-use super::run::Run;
+use super::run::ComparisonRun;
 use super::values::MethodChoice;
 use crate::arguments::check_size;
 use crate::complete::listeners;
@@ -11,7 +11,7 @@ use anyhow::{Context, Result, anyhow, bail, ensure};
 use deepshade_dataset::Radius;
 use deepshade_render::sampler::MAX_SAMPLES;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::names::with_meant;
 use std::fmt::Debug;
 use std::path::{Component, Path, PathBuf};
@@ -23,17 +23,17 @@ pub const HEAD: &str = "# What `deepshade compare` made the page beside this fil
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// At least one.
-    pub runs: Vec<Run>,
+    pub runs: Vec<ComparisonRun>,
 }
 
 /// What a file says, its paths relative to where the program runs.
 ///
 /// # Errors
 /// If it cannot be read, or a key or a value is none, with its line.
-pub fn read(path: &Path) -> Result<Run> {
+pub fn read(path: &Path) -> Result<ComparisonRun> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let run = toml::from_str(&text).map_err(|error| anyhow!(with_meant(&error.to_string())));
-    let mut run: Run = run.with_context(|| path.display().to_string())?;
+    let mut run: ComparisonRun = run.with_context(|| path.display().to_string())?;
     let folder = path.parent().unwrap_or(Path::new(""));
     run.map_paths(&|path| folder.join(path));
     Ok(run)
@@ -45,10 +45,11 @@ impl Comparison {
     ///
     /// # Errors
     /// If a value is out of its range or means nothing, with its key.
-    pub fn new(file: Option<Run>, line: impl Fn(&Run) -> Run) -> Result<Self> {
+    pub fn new(file: Option<ComparisonRun>, line: impl Fn(&ComparisonRun) -> ComparisonRun) -> Result<Self> {
         let mut stated = Vec::new();
-        leaves(file.unwrap_or_default(), &Run::default(), &mut stated);
-        let runs: Vec<Run> = stated.into_iter().map(|run| line(&run).in_place_of(&run).filled()).collect();
+        leaves(file.unwrap_or_default(), &ComparisonRun::default(), &mut stated);
+        let runs: Vec<ComparisonRun> =
+            stated.into_iter().map(|run| line(&run).in_place_of(&run).filled()).collect();
         let several = runs.len() > 1;
         for (index, run) in runs.iter().enumerate() {
             let place = || if several { format!("run {}", index + 1) } else { "comparison".to_owned() };
@@ -78,7 +79,7 @@ impl Comparison {
     pub fn keys(&self, folder: &Path) -> Result<String> {
         let mut whole = match &self.runs[..] {
             [one] => one.clone(),
-            several => Run { runs: several.to_vec(), ..Run::default() },
+            several => ComparisonRun { runs: several.to_vec(), ..ComparisonRun::default() },
         };
         let folder = folder.canonicalize().with_context(|| folder.display().to_string())?;
         whole.map_paths(&|path| relative(path, &folder));
@@ -98,7 +99,7 @@ pub fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
 }
 
 /// The runs that stand in a run, or itself, with what they leave out.
-fn leaves(mut run: Run, outer: &Run, found: &mut Vec<Run>) {
+fn leaves(mut run: ComparisonRun, outer: &ComparisonRun, found: &mut Vec<ComparisonRun>) {
     let inner = std::mem::take(&mut run.runs);
     let whole = run.over(outer);
     if inner.is_empty() {
@@ -109,7 +110,7 @@ fn leaves(mut run: Run, outer: &Run, found: &mut Vec<Run>) {
 }
 
 /// Whether a run can be: what is found out without a scene and without a device.
-fn check(run: &Run) -> Result<()> {
+fn check(run: &ComparisonRun) -> Result<()> {
     ensure!(!run.scenes().is_empty(), "`scenes` names none");
     ensure!(!run.effects().is_empty(), "`effects` names none");
     ensure!(!run.qualities().is_empty(), "`qualities` names none");
@@ -141,8 +142,8 @@ fn check(run: &Run) -> Result<()> {
         views.iter().try_for_each(Viewpoint::check).context("`views`")?;
     }
     let effects = run.effects();
-    listeners::check_any(effects, Setting::Radius, &[("--radius", run.radius.is_some())])?;
-    listeners::check_any(effects, Setting::Shutter, &[("--shutter", run.shutter.is_some())])?;
+    listeners::check_any(effects, EffectSetting::Radius, &[("--radius", run.radius.is_some())])?;
+    listeners::check_any(effects, EffectSetting::Shutter, &[("--shutter", run.shutter.is_some())])?;
     run.additions().check_any(effects)?;
     check_methods(run)
 }
@@ -154,7 +155,7 @@ fn once<T: PartialEq + Debug>(key: &str, values: &[T]) -> Result<()> {
 }
 
 /// Whether one of the effects at least has each method.
-fn check_methods(run: &Run) -> Result<()> {
+fn check_methods(run: &ComparisonRun) -> Result<()> {
     for (index, method) in run.methods().iter().enumerate() {
         let name = method.name.as_str();
         let known = run.effects().iter().any(|effect| methods::names_of(*effect).contains(&name));

@@ -1,12 +1,12 @@
 //! Making a frame: its truth, and every method's image held against it, each written as soon as it is there.
 //! What is there from an earlier run and was made from the same things is not made again.
 
-use super::contest::Contestant;
+use super::compared_methods::ComparedMethod;
 use super::key::Digest;
 use crate::radius;
 use crate::report::folder::Folder;
-use crate::report::images::{self, Lit};
-use crate::report::record::{FrameRecord, ImageRecord, TruthRecord, Wanted};
+use crate::report::images::{self, ExposedTruth};
+use crate::report::record::{FrameRecord, ImageRecord, ImageRequest, TruthRecord};
 use crate::views::View;
 use anyhow::{Result, ensure};
 use deepshade_dataset::truth;
@@ -15,7 +15,7 @@ use deepshade_render::exr_file::Metadata;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
 use deepshade_render::path::{Goal, Shot, Truth};
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::{Effect, GBuffer, Planes};
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ pub const OUTSIDE: &str = "warning";
 
 /// How a frame is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct ComparisonSettings {
     /// What is computed.
     pub effect: Effect,
     /// Rows.
@@ -55,7 +55,7 @@ pub struct Head {
     /// Name of its folder.
     pub folder: String,
     /// The methods' images, in the order of the methods.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<ImageRequest>,
     /// What is there of them.
     pub kept: Option<FrameRecord>,
 }
@@ -67,9 +67,9 @@ pub struct ComparedView<'a> {
     /// From where it is seen.
     pub view: &'a View,
     /// How.
-    pub settings: Settings,
+    pub settings: ComparisonSettings,
     /// Who computes the effect, in the order of what is wanted.
-    pub contestants: Vec<&'a Contestant>,
+    pub methods: Vec<&'a ComparedMethod>,
     /// What is to be known of the frame beside what follows from these, as name and value.
     pub facts: Vec<(String, String)>,
 }
@@ -87,12 +87,12 @@ impl Head {
     }
 }
 
-/// The image that a contestant makes of the frame whose truth has a key.
-pub fn wanted(key: &str, contestant: &Contestant) -> Wanted {
+/// The image that a method makes of the frame whose truth has a key.
+pub fn wanted(key: &str, method: &ComparedMethod) -> ImageRequest {
     let mut digest = Digest::default();
     digest.say(&key);
-    digest.say(&contestant.fingerprint);
-    Wanted { key: digest.finish(), file: contestant.file_name(), label: contestant.label.clone() }
+    digest.say(&method.fingerprint);
+    ImageRequest { key: digest.finish(), file: method.file_name(), label: method.label.clone() }
 }
 
 /// Makes of a frame what is not there, says meanwhile what it is at, and writes it into its folder.
@@ -106,7 +106,7 @@ pub fn make(
     at: &impl Fn(&str),
 ) -> Result<FrameRecord> {
     let ComparedView { scene, view, settings, .. } = *subject;
-    let Settings { effect, height, width, radius, seed, repeats, .. } = settings;
+    let ComparisonSettings { effect, height, width, radius, seed, repeats, .. } = settings;
     let gbuffer = gbuffer::render(scene, &view.camera, height, width, effect.attributes());
     ensure!(gbuffer.seen()?.contains(&true), "view `{}` sees nothing of the scene", view.name);
     let frame = Frame { scene, camera: &view.camera, gbuffer: &gbuffer, radius, seed };
@@ -127,23 +127,23 @@ pub fn make(
     record.facts.extend(outside(subject, &gbuffer));
     // An image's file is written anew only when no record vouches for the older one.
     record.write(&folder.path)?;
-    let lit = Lit { effect, image: &image, exposure: record.truth.exposure };
-    for (contestant, wanted) in subject.contestants.iter().zip(&head.wanted) {
+    let exposed = ExposedTruth { effect, image: &image, exposure: record.truth.exposure };
+    for (method, wanted) in subject.methods.iter().zip(&head.wanted) {
         if record.has(wanted) {
             continue;
         }
         at(&wanted.label);
-        let shaded = contestant.rival.method.shade(&frame, repeats)?;
-        images::write_image(&place, &wanted.file, &shaded.image, &lit, &metadata(&record))?;
+        let shaded = method.rival.method.shade(&frame, repeats)?;
+        images::write_image(&place, &wanted.file, &shaded.image, &exposed, &metadata(&record))?;
         record.images.push(ImageRecord {
             key: wanted.key.clone(),
             file: wanted.file.clone(),
             label: wanted.label.clone(),
-            method: contestant.rival.method_name.to_owned(),
+            method: method.rival.method_name.to_owned(),
             milliseconds: shaded.milliseconds,
             clock: shaded.clock,
             device: shaded.device,
-            scores: lit.scores(&shaded.image),
+            scores: exposed.scores(&shaded.image),
         });
         record.write(&folder.path)?;
     }
@@ -155,10 +155,10 @@ pub fn make(
 
 /// The fact that a frame is unlike those that networks were trained on, if it is.
 fn outside(subject: &ComparedView<'_>, gbuffer: &GBuffer) -> Option<(String, String)> {
-    let said = |one: &&Contestant| {
+    let said = |one: &&ComparedMethod| {
         Some(format!("{}: {}", one.label, one.outside(gbuffer, subject.settings.radius)?))
     };
-    let all: Vec<String> = subject.contestants.iter().filter_map(said).collect();
+    let all: Vec<String> = subject.methods.iter().filter_map(said).collect();
     (!all.is_empty()).then(|| (OUTSIDE.to_owned(), all.join("; ")))
 }
 
@@ -169,7 +169,7 @@ fn make_truth(
     subject: &ComparedView<'_>,
     gbuffer: &GBuffer,
 ) -> Result<(FrameRecord, Planes)> {
-    let Settings { effect, height, width, radius, goal, seed, .. } = subject.settings;
+    let ComparisonSettings { effect, height, width, radius, goal, seed, .. } = subject.settings;
     let shot = Shot::new(subject.scene, &subject.view.camera, [height, width], radius);
     let start = Instant::now();
     let mut truth = Truth::render(effect, &shot, goal, seed, |_, _| true);
@@ -184,7 +184,7 @@ fn make_truth(
         folder: head.folder.clone(),
         height,
         width,
-        radius: effect.listens_to(Setting::Radius).then_some(radius),
+        radius: effect.listens_to(EffectSetting::Radius).then_some(radius),
         facts: facts(subject, truth.estimate.samples),
         truth: TruthRecord::new(effect, &truth, gbuffer, milliseconds),
         images: Vec::new(),
@@ -205,7 +205,7 @@ fn facts(subject: &ComparedView<'_>, samples: u32) -> Vec<(String, String)> {
     let ComparedView { scene, view, settings, .. } = *subject;
     let position = view.camera.position;
     let radius = || ("radius", radius::in_words(settings.radius, scene.diagonal()));
-    let reach = settings.effect.listens_to(Setting::Radius).then(radius);
+    let reach = settings.effect.listens_to(EffectSetting::Radius).then(radius);
     [
         ("scene", scene.scene().name.clone()),
         ("triangles", scene.scene().triangle_count().to_string()),

@@ -1,11 +1,11 @@
 //! What frames a comparison has, and which of their images are there: found out for all scenes before the
 //! first image is made, so that what is wrong with the last scene is said at once.
 
-use super::contest::Contest;
+use super::compared_methods::ComparedMethods;
 use super::description::{Comparison, distinct, short_name};
 use super::key::{Digest, file_digest};
-use super::make::{Head, Settings, wanted};
-use super::run::Run;
+use super::make::{ComparisonSettings, Head, wanted};
+use super::run::ComparisonRun;
 use crate::complete::{Completed, Wants, complete, remembered};
 use crate::radius::{self, Space};
 use crate::report::folder::FRAME_PREFIX;
@@ -18,12 +18,12 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::method::Repeats;
 use deepshade_render::scene::{Density, SceneSource};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use std::path::Path;
 
 /// A scene at a moment, with what is put into it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stage {
+pub struct SceneRequest {
     source: SceneSource,
     props: props::Args,
     moment: exposure_time::Args,
@@ -33,18 +33,18 @@ pub struct Stage {
 
 /// Scenes as they are asked for; the last one stays, since several frames in a row are of it.
 #[derive(Default)]
-pub struct Stages(Option<(Stage, TracedScene)>);
+pub struct SceneCache(Option<(SceneRequest, TracedScene)>);
 
 /// A frame that is to be there.
 pub struct Planned {
     /// Which run it is of.
     pub run: usize,
     /// What is seen.
-    pub stage: Stage,
+    pub scene_request: SceneRequest,
     /// From where, before the effect's needs are met.
     pub view: View,
     /// How it is made.
-    pub settings: Settings,
+    pub settings: ComparisonSettings,
     /// What is added to the scene.
     pub added: Vec<String>,
     /// What it is called, and what of it is there.
@@ -55,10 +55,10 @@ pub struct Planned {
     dark: bool,
 }
 
-impl Stage {
-    fn of(run: &Run, source: &SceneSource, effect: Effect) -> Self {
+impl SceneRequest {
+    fn of(run: &ComparisonRun, source: &SceneSource, effect: Effect) -> Self {
         let (source, props, moment) = (source.clone(), run.props(), run.moment(effect));
-        Self { source, props, moment, moving: effect.listens_to(Setting::Shutter) }
+        Self { source, props, moment, moving: effect.listens_to(EffectSetting::Shutter) }
     }
 
     fn load(&self) -> Result<TracedScene> {
@@ -68,7 +68,7 @@ impl Stage {
     }
 }
 
-impl Stage {
+impl SceneRequest {
     /// A scene of this one's look, with what it was like before where it moves and surfaces keep light.
     ///
     /// # Errors
@@ -78,16 +78,16 @@ impl Stage {
     }
 }
 
-impl Stages {
+impl SceneCache {
     /// A scene, loaded where it is not the last one.
     ///
     /// # Errors
     /// If it cannot be loaded.
-    pub fn get(&mut self, stage: &Stage) -> Result<&TracedScene> {
-        let last = self.0.take().filter(|(last, _)| last == stage);
+    pub fn get(&mut self, scene_request: &SceneRequest) -> Result<&TracedScene> {
+        let last = self.0.take().filter(|(last, _)| last == scene_request);
         let found = match last {
             Some(found) => found,
-            None => (stage.clone(), stage.load()?),
+            None => (scene_request.clone(), scene_request.load()?),
         };
         Ok(&self.0.insert(found).1)
     }
@@ -98,8 +98,8 @@ impl Stages {
 /// # Errors
 /// If something that the run states cannot be read or is impossible.
 pub fn completed(
-    run: &Run,
-    contest: &Contest,
+    run: &ComparisonRun,
+    compared: &ComparedMethods,
     scene: &TracedScene,
     view: &View,
     effect: Effect,
@@ -110,7 +110,7 @@ pub fn completed(
         size: run.size(),
         additions: &additions,
         seed: run.seed(),
-        learned: contest.environment(effect),
+        learned: compared.environment(effect),
         animated: false,
         time: run.moment(effect).time(),
     };
@@ -118,14 +118,14 @@ pub fn completed(
 }
 
 /// All frames, those of a scene one after the other, with what of them is in a folder. Methods that do not go
-/// through a run's medium are left out of its contest.
+/// through a run's medium are left out of its methods.
 ///
 /// # Errors
 /// If a scene cannot be loaded, a view is impossible, or something that a run states is.
 pub fn plan(
     comparison: &Comparison,
-    contests: &mut [Contest],
-    stages: &mut Stages,
+    compared_by_run: &mut [ComparedMethods],
+    scene_cache: &mut SceneCache,
     by_name: &[bool],
     (maker, repeats, out): (&str, Repeats, &Path),
 ) -> Result<Vec<Planned>> {
@@ -135,7 +135,15 @@ pub fn plan(
         for source in run.scenes() {
             for effect in run.effects() {
                 let by = (maker, repeats);
-                frames.extend(frames_of(index, run, source, *effect, &contests[index], stages, by)?);
+                frames.extend(frames_of(
+                    index,
+                    run,
+                    source,
+                    *effect,
+                    &compared_by_run[index],
+                    scene_cache,
+                    by,
+                )?);
             }
         }
         for effect in run.effects() {
@@ -146,17 +154,17 @@ pub fn plan(
                 );
             }
             if of().any(|frame| frame.grid) {
-                contests[index].through_grids(*effect, by_name[index])?;
+                compared_by_run[index].through_grids(*effect, by_name[index])?;
             }
         }
         all.extend(frames);
     }
     name(comparison, &mut all);
-    super::contest::label(contests);
+    super::compared_methods::label(compared_by_run);
     for frame in &mut all {
-        let contest = contests[frame.run].of(frame.settings.effect);
+        let compared = compared_by_run[frame.run].of(frame.settings.effect);
         let head = &mut frame.head;
-        head.wanted = contest.map(|contestant| wanted(&head.key, contestant)).collect();
+        head.wanted = compared.map(|method| wanted(&head.key, method)).collect();
         head.kept = FrameRecord::kept(out, &head.folder, &head.key, &head.wanted);
     }
     Ok(all)
@@ -165,31 +173,31 @@ pub fn plan(
 /// The frames of an effect in a scene, without names.
 fn frames_of(
     index: usize,
-    run: &Run,
+    run: &ComparisonRun,
     source: &SceneSource,
     effect: Effect,
-    contest: &Contest,
-    stages: &mut Stages,
+    compared: &ComparedMethods,
+    scene_cache: &mut SceneCache,
     (maker, repeats): (&str, Repeats),
 ) -> Result<Vec<Planned>> {
-    let stage = Stage::of(run, source, effect);
-    let scene = stages.get(&stage)?;
+    let scene_request = SceneRequest::of(run, source, effect);
+    let scene = scene_cache.get(&scene_request)?;
     let [height, width] = run.size();
     let contents = scene_hash(scene.scene());
     let views = views::views(run.views.as_ref(), source, scene, run.size(), run.seed())?;
     let mut frames = Vec::new();
     for view in views {
-        let Completed { scene: shown, camera, added } = completed(run, contest, scene, &view, effect)?;
+        let Completed { scene: shown, camera, added } = completed(run, compared, scene, &view, effect)?;
         let space = Space::seen(&shown, &camera, run.size());
-        let radius = radius::wanted(run.reach(scene.diagonal()), contest.reach(effect), &[effect], space);
+        let radius = radius::wanted(run.reach(scene.diagonal()), compared.reach(effect), &[effect], space);
         let settings =
-            Settings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats };
+            ComparisonSettings { effect, height, width, radius, goal: run.goal(), seed: run.seed(), repeats };
         let shown = shown.scene();
         if frames.is_empty() {
             added.iter().for_each(|line| note!("{line}"));
         }
         let mut digest = Digest::default();
-        digest.say(&(maker, &contents, settings, camera, &stage.moment, &added));
+        digest.say(&(maker, &contents, settings, camera, &scene_request.moment, &added));
         digest.say(&(
             &shown.lights,
             &shown.medium,
@@ -197,7 +205,7 @@ fn frames_of(
             run.additions().heard_by(effect).mean_free_path,
         ));
         // What the scene's own hash leaves out and these effects go by.
-        if stage.moving {
+        if scene_request.moving {
             shown.meshes.iter().for_each(|mesh| digest.say(&mesh.displacements));
         }
         if shown.glow.is_some() {
@@ -215,19 +223,20 @@ fn frames_of(
             wanted: Vec::new(),
             kept: None,
         };
-        let stage = stage.clone();
-        frames.push(Planned { run: index, stage, view, settings, added, head, grid, dark });
+        let scene_request = scene_request.clone();
+        frames.push(Planned { run: index, scene_request, view, settings, added, head, grid, dark });
     }
     Ok(frames)
 }
 
 /// Gives frames names that tell them apart, and folders named like them.
 fn name(comparison: &Comparison, frames: &mut [Planned]) {
-    let sources = distinct(frames.iter().map(|frame| (frame.head.scene.clone(), frame.stage.source.clone())));
+    let sources =
+        distinct(frames.iter().map(|frame| (frame.head.scene.clone(), frame.scene_request.source.clone())));
     for frame in frames.iter_mut() {
         let head = &mut frame.head;
         if sources.iter().filter(|(scene, _)| *scene == head.scene).count() > 1 {
-            head.scene = frame.stage.source.to_string();
+            head.scene = frame.scene_request.source.to_string();
         }
         if let Some(name) = &comparison.runs[frame.run].name {
             head.scene = format!("{}, {name}", head.scene);

@@ -2,11 +2,12 @@
 //! same names.
 //!
 //! A run is every effect by every method in every quality, in every view of every scene. What a run leaves
-//! out it has from the run that it stands in, and what no run states has a default ([`Run::filled`]).
+//! out it has from the run that it stands in, and what no run states has a default
+//! ([`ComparisonRun::filled`]).
 
 use super::values::{Colour, MethodChoice};
 use crate::complete::Additions;
-use crate::place::Place;
+use crate::location::Location;
 use crate::props::{self, Prop};
 use crate::views::{self, Choice};
 use crate::{exposure_time, methods, samples};
@@ -16,7 +17,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::path::Goal;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -28,19 +29,20 @@ const RESOLUTION: Resolution = Resolution { height: 512, width: 512 };
 /// What is compared with what.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Run {
+pub struct ComparisonRun {
     /// What the run is called where several have scenes in common.
     pub name: Option<String>,
     /// Scene files, or procedural families and seeds.
     pub scenes: Option<Vec<SceneSource>>,
     /// What is computed.
     pub effects: Option<Vec<Effect>>,
-    /// By what; each for those of the effects that have it. By default all, as [`super::contest`] says.
+    /// By what; each for those of the effects that have it. By default all, as [`super::compared_methods`]
+    /// says.
     pub methods: Option<Vec<MethodChoice>>,
     /// How much time analytic methods may take for a better image.
     pub qualities: Option<Vec<Quality>>,
     /// Folder or address of the network of `learned`; by default models/EFFECT.
-    pub model: Option<Place>,
+    pub model: Option<Location>,
     /// Which views of each scene; by default the cameras of its file, or where it has none one sampled view
     /// of a place, and one from outside of anything else.
     pub views: Option<Choice>,
@@ -83,7 +85,7 @@ pub struct Run {
     pub runs: Vec<Self>,
 }
 
-impl Run {
+impl ComparisonRun {
     /// What is stated here, and elsewhere what is stated by another; of its methods those that are for
     /// effects that are stated here. What stands in either is left out.
     #[must_use]
@@ -125,8 +127,9 @@ impl Run {
         }
     }
 
-    /// [`Run::over`] of a command line, whose qualities and network are those of all methods, whatever a file
-    /// states for one. A file's network goes where the command line leaves no method that is one.
+    /// [`ComparisonRun::over`] of a command line, whose qualities and network are those of all methods,
+    /// whatever a file states for one. A file's network goes where the command line leaves no method that is
+    /// one.
     #[must_use]
     pub fn in_place_of(self, file: &Self) -> Self {
         let (qualities, model) = (self.qualities.is_some(), self.model.is_some());
@@ -166,7 +169,7 @@ impl Run {
         self.scenes.iter_mut().flatten().for_each(source);
         self.put.iter_mut().flatten().for_each(|prop| source(&mut prop.source));
         let models = self.methods.iter_mut().flatten().filter_map(|method| method.model.as_mut());
-        let folders = self.model.as_mut().into_iter().chain(models).filter_map(Place::folder_mut);
+        let folders = self.model.as_mut().into_iter().chain(models).filter_map(Location::folder_mut);
         [&mut self.environment, &mut self.medium, &mut self.phosphor]
             .into_iter()
             .flatten()
@@ -223,7 +226,7 @@ impl Run {
 
     /// The moment, for an effect.
     pub fn moment(&self, effect: Effect) -> exposure_time::Args {
-        let shutter = self.shutter.filter(|_| effect.listens_to(Setting::Shutter));
+        let shutter = self.shutter.filter(|_| effect.listens_to(EffectSetting::Shutter));
         exposure_time::Args::new(self.time, shutter)
     }
 

@@ -1,9 +1,9 @@
 //! What a comparison's file says, and what it is refused for.
 
 use super::description::{Comparison, read};
-use super::run::Run;
+use super::run::ComparisonRun;
 use super::values::{Colour, MethodChoice};
-use crate::place::Place;
+use crate::location::Location;
 use crate::views::Choice;
 use anyhow::Result;
 use deepshade_dataset::Radius;
@@ -14,7 +14,7 @@ use glam::Vec3;
 use std::path::Path;
 
 /// What a file says, in a folder of its own, with what a command line states beside it.
-fn comparison(text: &str, line: &Run) -> Result<Comparison> {
+fn comparison(text: &str, line: &ComparisonRun) -> Result<Comparison> {
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("comparison.toml");
     std::fs::write(&path, text)?;
@@ -22,7 +22,7 @@ fn comparison(text: &str, line: &Run) -> Result<Comparison> {
 }
 
 fn parsed(text: &str) -> Comparison {
-    comparison(text, &Run::default()).expect(text)
+    comparison(text, &ComparisonRun::default()).expect(text)
 }
 
 /// A file that uses everything.
@@ -86,7 +86,7 @@ fn runs_have_what_they_leave_out_from_the_run_that_they_stand_in() {
 
 #[test]
 fn an_unknown_key_is_followed_by_the_one_that_was_meant() {
-    let refused = comparison("scenes = [\"room:7\"]\nefects = [\"ao\"]", &Run::default());
+    let refused = comparison("scenes = [\"room:7\"]\nefects = [\"ao\"]", &ComparisonRun::default());
     let error = format!("{:#}", refused.expect_err("an unknown key"));
     assert!(error.contains("`efects` (did you mean `effects`?)"), "{error}");
 }
@@ -101,7 +101,8 @@ fn numbers_of_a_method_are_read_as_tables_and_written_so_that_they_are_read_agai
     assert!(run.methods()[0].parameters.is_empty());
     let written = parsed(text).to_toml(Path::new(".")).expect("text");
     assert_eq!(parsed(&written).runs[0].methods(), run.methods(), "{written}");
-    let refused = toml::from_str::<Run>("methods = [{ name = \"gtao\", parameters = { blur = [1] } }]");
+    let refused =
+        toml::from_str::<ComparisonRun>("methods = [{ name = \"gtao\", parameters = { blur = [1] } }]");
     let error = refused.expect_err("a list").to_string();
     assert!(error.contains("`blur` is [1], which is no number or name"), "{error}");
 }
@@ -116,7 +117,7 @@ fn what_is_written_is_what_is_read_and_it_is_written_alike_again() {
         let written = first.to_toml(folder.path()).expect("text");
         std::fs::write(&path, &written).expect("written");
         let mut again =
-            Comparison::new(Some(read(&path).expect("sound")), |_| Run::default()).expect("sound");
+            Comparison::new(Some(read(&path).expect("sound")), |_| ComparisonRun::default()).expect("sound");
         // A folder that is not there has no way to it, and stays as it is.
         again.runs.iter_mut().for_each(|run| {
             run.map_paths(&|path| Path::new("runs").join(path.file_name().unwrap_or_default()));
@@ -140,7 +141,7 @@ fn files_that_are_named_are_relative_to_the_file_that_names_them() {
     std::fs::write(place("scenes/hall.gltf"), "{}").expect("written");
     std::fs::write(place("scenes/a.toml"), "scenes = [\"hall.gltf\"]").expect("written");
     let file = read(&place("scenes/a.toml")).expect("sound");
-    let found = Comparison::new(Some(file), |_| Run::default()).expect("sound");
+    let found = Comparison::new(Some(file), |_| ComparisonRun::default()).expect("sound");
     assert_eq!(found.runs[0].scenes()[0].to_string(), place("scenes/hall.gltf").display().to_string());
     let written = found.to_toml(&place("report")).expect("text");
     assert!(written.contains("scenes = [\"../scenes/hall.gltf\"]"), "{written}");
@@ -148,11 +149,11 @@ fn files_that_are_named_are_relative_to_the_file_that_names_them() {
 
 #[test]
 fn the_command_line_comes_before_the_file_in_every_run() {
-    let line = Run {
+    let line = ComparisonRun {
         resolution: Some(Resolution { height: 16, width: 24 }),
         error: Some(0.1),
         methods: Some(vec![MethodChoice::named("gtao")]),
-        ..Run::default()
+        ..ComparisonRun::default()
     };
     let whole = comparison(WHOLE, &line).expect("sound");
     for run in &whole.runs {
@@ -165,24 +166,30 @@ fn the_command_line_comes_before_the_file_in_every_run() {
 fn qualities_and_networks_of_the_command_line_are_those_of_every_method() {
     let text = "scenes = [\"room:1\"]\n\
                 methods = [{ name = \"hbao\", qualities = [\"ultra\"] }, { name = \"learned\", model = \"a\" }]";
-    let line =
-        Run { qualities: Some(vec![Quality::Low]), model: Some(Place::Folder("b".into())), ..Run::default() };
+    let line = ComparisonRun {
+        qualities: Some(vec![Quality::Low]),
+        model: Some(Location::Folder("b".into())),
+        ..ComparisonRun::default()
+    };
     let run = &comparison(text, &line).expect("sound").runs[0];
     assert_eq!(run.methods(), [MethodChoice::named("hbao"), MethodChoice::named("learned")]);
-    assert_eq!((run.qualities(), run.model.clone()), (&[Quality::Low][..], Some(Place::Folder("b".into()))));
-    let kept = &comparison(text, &Run::default()).expect("sound").runs[0];
+    assert_eq!(
+        (run.qualities(), run.model.clone()),
+        (&[Quality::Low][..], Some(Location::Folder("b".into())))
+    );
+    let kept = &comparison(text, &ComparisonRun::default()).expect("sound").runs[0];
     assert_eq!(kept.methods()[0].qualities, Some(vec![Quality::Ultra]));
 }
 
 #[test]
 fn a_files_network_goes_where_the_command_line_leaves_no_method_that_is_one() {
     let text = "scenes = [\"room:1\"]\nmethods = [\"learned\", \"hbao\"]\nmodel = \"a\"";
-    let hbao = Run { methods: Some(vec![MethodChoice::named("hbao")]), ..Run::default() };
+    let hbao = ComparisonRun { methods: Some(vec![MethodChoice::named("hbao")]), ..ComparisonRun::default() };
     assert_eq!(comparison(text, &hbao).expect("sound").runs[0].model, None);
-    assert!(comparison(text, &Run::default()).expect("sound").runs[0].model.is_some());
+    assert!(comparison(text, &ComparisonRun::default()).expect("sound").runs[0].model.is_some());
     for (text, line) in [
-        (text, Run { model: Some(Place::Folder("b".into())), ..hbao }),
-        ("scenes = [\"room:1\"]\nmethods = [\"hbao\"]\nmodel = \"a\"", Run::default()),
+        (text, ComparisonRun { model: Some(Location::Folder("b".into())), ..hbao }),
+        ("scenes = [\"room:1\"]\nmethods = [\"hbao\"]\nmodel = \"a\"", ComparisonRun::default()),
     ] {
         let error = format!("{:#}", comparison(text, &line).expect_err("no network"));
         assert!(error.contains("`model` means nothing"), "{error}");
@@ -191,17 +198,17 @@ fn a_files_network_goes_where_the_command_line_leaves_no_method_that_is_one() {
 
 #[test]
 fn of_methods_that_are_stated_elsewhere_a_run_has_those_of_its_effects() {
-    let names = |text: &str, line: &Run| -> Result<Vec<String>> {
+    let names = |text: &str, line: &ComparisonRun| -> Result<Vec<String>> {
         let run = comparison(text, line)?.runs.remove(0);
         Ok(run.methods().iter().map(|method| method.name.clone()).collect())
     };
     let text =
         "scenes = [\"room:1\"]\neffects = [\"ao\", \"gi\"]\nmethods = [\"gtao\", \"ssgi\", \"surfel\"]";
-    let only = |effect: Effect| Run { effects: Some(vec![effect]), ..Run::default() };
+    let only = |effect: Effect| ComparisonRun { effects: Some(vec![effect]), ..ComparisonRun::default() };
     assert_eq!(names(text, &only(Effect::Ao)).expect("sound"), ["gtao", "surfel"]);
     assert_eq!(names(text, &only(Effect::Aa)).expect("sound"), [""; 0], "all that there are");
     let run = format!("{text}\n[[runs]]\neffects = [\"gi\"]");
-    assert_eq!(names(&run, &Run::default()).expect("sound"), ["ssgi", "surfel"]);
+    assert_eq!(names(&run, &ComparisonRun::default()).expect("sound"), ["ssgi", "surfel"]);
     let wrong = text.replace("gtao", "ssao");
     assert!(names(&wrong, &only(Effect::Gi)).expect_err("none").to_string().contains("comparison"));
 }
@@ -243,7 +250,7 @@ fn what_is_wrong_is_named_with_its_line_or_its_key() {
         ("scenes = [\"room:1\"]\n[[runs]]\n[[runs]]\nsamples = 0", &["run 2", "`samples`"]),
         ("scenes = [\"room:1\"", &["line 1"]),
     ] {
-        let error = format!("{:#}", comparison(text, &Run::default()).expect_err(text));
+        let error = format!("{:#}", comparison(text, &ComparisonRun::default()).expect_err(text));
         for name in named {
             assert!(error.contains(name), "{text}: no {name} in {error}");
         }

@@ -1,7 +1,7 @@
 //! Values of a comparison's TOML file that may be written in two ways, the short one for what is wanted most
 //! often. Read by visitors of their own: of an untagged enum serde says no more than that nothing fits.
 
-use crate::place::Place;
+use crate::location::Location;
 use crate::views::{Choice, Viewpoint};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::Changes;
@@ -21,7 +21,7 @@ pub struct MethodChoice {
     /// In which qualities; without them in those of the run.
     pub qualities: Option<Vec<Quality>>,
     /// Folder or address of its network, if it is one; without it that of the run.
-    pub model: Option<Place>,
+    pub model: Option<Location>,
     /// Those of its parameters that are not as its quality has them.
     pub parameters: Changes,
 }
@@ -32,7 +32,7 @@ pub struct MethodChoice {
 struct MethodTable {
     name: String,
     qualities: Option<Vec<Quality>>,
-    model: Option<Place>,
+    model: Option<Location>,
     #[serde(default, skip_serializing_if = "Changes::is_empty")]
     parameters: Changes,
 }

@@ -6,7 +6,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::scene::medium::{DensityFile, LARGEST_COEFFICIENT};
 use deepshade_render::scene::{Bounds, Density, Glow, Medium, Scene};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -75,20 +75,24 @@ impl Additions {
         let medium = [("--medium", self.medium.is_some()), ("--extinction", self.extinction.is_some())];
         let inside = [("--mean-free-path", self.mean_free_path.is_some())];
         let phosphor = [("--phosphor", self.phosphor.is_some())];
-        listeners::check_any(effects, Setting::Phosphor, &phosphor)?;
-        listeners::check_any(effects, Setting::MeanFreePath, &inside)?;
-        listeners::check_any(effects, Setting::Environment, &environment)?;
-        listeners::check_any(effects, Setting::Lens, &lens)?;
-        listeners::check_any(effects, Setting::Medium, &medium)?;
-        listeners::check_any(effects, Setting::Medium, &self.of_a_medium())
+        listeners::check_any(effects, EffectSetting::Phosphor, &phosphor)?;
+        listeners::check_any(effects, EffectSetting::MeanFreePath, &inside)?;
+        listeners::check_any(effects, EffectSetting::Environment, &environment)?;
+        listeners::check_any(effects, EffectSetting::Lens, &lens)?;
+        listeners::check_any(effects, EffectSetting::Medium, &medium)?;
+        listeners::check_any(effects, EffectSetting::Medium, &self.of_a_medium())
     }
 
     /// What of this means something to an effect.
     #[must_use]
     pub fn heard_by(&self, effect: Effect) -> Self {
-        let [inside, around, lens, medium] =
-            [Setting::MeanFreePath, Setting::Environment, Setting::Lens, Setting::Medium]
-                .map(|setting| effect.listens_to(setting));
+        let [inside, around, lens, medium] = [
+            EffectSetting::MeanFreePath,
+            EffectSetting::Environment,
+            EffectSetting::Lens,
+            EffectSetting::Medium,
+        ]
+        .map(|setting| effect.listens_to(setting));
         Self {
             environment: self.environment.clone().filter(|_| around),
             aperture: self.aperture.filter(|_| lens),
@@ -98,7 +102,7 @@ impl Additions {
             scattering_albedo: self.scattering_albedo.filter(|_| medium),
             anisotropy: self.anisotropy.filter(|_| medium),
             mean_free_path: self.mean_free_path.filter(|_| inside),
-            phosphor: self.phosphor.clone().filter(|_| effect.listens_to(Setting::Phosphor)),
+            phosphor: self.phosphor.clone().filter(|_| effect.listens_to(EffectSetting::Phosphor)),
         }
     }
 

@@ -2,13 +2,13 @@
 
 use anyhow::{Result, bail};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 
 /// Whether options, each with whether it is given, are for an effect.
 ///
 /// # Errors
 /// If one is given that the effect does not listen to.
-pub fn check(effect: Effect, setting: Setting, options: &[(&str, bool)]) -> Result<()> {
+pub fn check(effect: Effect, setting: EffectSetting, options: &[(&str, bool)]) -> Result<()> {
     check_any(&[effect], setting, options)
 }
 
@@ -16,7 +16,7 @@ pub fn check(effect: Effect, setting: Setting, options: &[(&str, bool)]) -> Resu
 ///
 /// # Errors
 /// If one is given that none of the effects listens to.
-pub fn check_any(effects: &[Effect], setting: Setting, options: &[(&str, bool)]) -> Result<()> {
+pub fn check_any(effects: &[Effect], setting: EffectSetting, options: &[(&str, bool)]) -> Result<()> {
     let given = options.iter().find(|(_, given)| *given);
     if let Some((option, _)) = given.filter(|_| !effects.iter().any(|effect| effect.listens_to(setting))) {
         let listeners: Vec<Effect> =

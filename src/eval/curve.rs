@@ -5,7 +5,7 @@ use super::rivals::Rival;
 use super::score::Evaluation;
 use crate::figures::write_atomically;
 use crate::methods::LEARNED;
-use crate::statistics::Estimate;
+use crate::statistics::MeanInterval;
 use anyhow::{Result, anyhow};
 use deepshade_shaders::Effect;
 use plotters::coord::Shift;
@@ -79,7 +79,7 @@ fn device(devices: &BTreeMap<String, String>) -> Option<&str> {
     devices.get(LEARNED).or_else(most).map(String::as_str)
 }
 
-fn lines(measure: &Measure, rivals: &[&Rival], estimates: &BTreeMap<&str, Estimate>) -> Vec<Line> {
+fn lines(measure: &Measure, rivals: &[&Rival], estimates: &BTreeMap<&str, MeanInterval>) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for rival in rivals {
         let figure = |name: &str| estimates.get(format!("{name}_{}", rival.name).as_str()).map(|e| e.mean);

@@ -2,13 +2,13 @@
 //! page.
 
 use super::names::{figure_name, name_of, set_figures};
-use super::outcome::Judgement;
+use super::outcome::EvaluationOutcome;
 use super::paper::{Published, published};
 use super::results::{self, Entry};
-use super::{Args, Contest, judge, page, sets, target};
+use super::{Args, EvaluationInputs, evaluate_methods, page, sets, target};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::{LEARNED, names_of};
-use crate::statistics::Estimate;
+use crate::statistics::MeanInterval;
 use crate::{learned, table};
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::TestSet;
@@ -34,7 +34,7 @@ pub struct Row {
     /// The image that it is held against for doing nothing.
     pub trivial: &'static str,
     /// The scores.
-    pub judgement: Judgement,
+    pub outcome: EvaluationOutcome,
 }
 
 /// Evaluates all networks that have a test set, prints and writes the table.
@@ -59,27 +59,27 @@ pub fn run(args: &Args) -> Result<()> {
         let effect = model.spec.effect;
         let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
         let (weights, target) = (model.spec.weight_count(), target(&sets).to_owned());
-        let contest = Contest { effect, network: Some((figure_name(&folder), model)), sets };
-        let judgement = judge(&contest, &methods_for(effect, &args.methods), args, &gpu)?;
+        let inputs = EvaluationInputs { effect, network: Some((figure_name(&folder), model)), sets };
+        let outcome = evaluate_methods(&inputs, &methods_for(effect, &args.methods), args, &gpu)?;
         let row = Row {
             published: published(&name),
             trivial: effect.definition().doing_nothing.name(),
             name,
             weights,
             target,
-            judgement,
+            outcome,
         };
         // At once: all of them take minutes, and whoever interrupts that keeps what was made.
         if let Some(path) = &args.results {
             let network = row.name.replace('-', "_");
-            let entry = Entry { network, evaluation: &row.judgement.evaluation, target: &row.target };
+            let entry = Entry { network, evaluation: &row.outcome.evaluation, target: &row.target };
             results::add(path, &entry, &gpu)?;
         }
         rows.push(row);
     }
     let mut figures = Figures::new("eval");
     for row in &rows {
-        let evaluation = &row.judgement.evaluation;
+        let evaluation = &row.outcome.evaluation;
         set_figures(&mut figures, &row.name.replace('-', "_"), evaluation);
         figures.detail(&row.name, json!(evaluation.parts()));
     }
@@ -159,15 +159,15 @@ const HEAD: [&str; 13] = [
 
 /// A network's line of the table.
 fn line(row: &Row) -> Vec<String> {
-    let Judgement { rivals, evaluation, .. } = &row.judgement;
+    let EvaluationOutcome { rivals, evaluation, .. } = &row.outcome;
     let estimates = evaluation.estimates();
     let found = |metric: &str, of: &str| estimates.get(format!("{metric}_{of}").as_str()).copied();
     let ssim = |of: &str| found("ssim", of);
     let analytic = rivals.iter().filter(|rival| rival.name != LEARNED);
     let best = analytic.max_by(|a, b| mean(ssim(&a.name)).total_cmp(&mean(ssim(&b.name))));
     let interval =
-        |estimate: Option<Estimate>| estimate.map_or(String::new(), |estimate| estimate.to_string());
-    let number = |estimate: Option<Estimate>, digits: usize| {
+        |estimate: Option<MeanInterval>| estimate.map_or(String::new(), |estimate| estimate.to_string());
+    let number = |estimate: Option<MeanInterval>, digits: usize| {
         estimate.map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
     };
     let paper = row.published.map_or("-".to_owned(), |paper| {
@@ -191,7 +191,7 @@ fn line(row: &Row) -> Vec<String> {
     ]
 }
 
-fn mean(estimate: Option<Estimate>) -> f64 {
+fn mean(estimate: Option<MeanInterval>) -> f64 {
     estimate.map_or(f64::NEG_INFINITY, |estimate| estimate.mean)
 }
 

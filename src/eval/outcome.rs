@@ -8,7 +8,7 @@ use super::score::Evaluation;
 use super::sets::ARTISTS;
 use crate::figures::Figures;
 use crate::methods::LEARNED;
-use crate::statistics::Estimate;
+use crate::statistics::MeanInterval;
 use deepshade_render::methods::Quality;
 use deepshade_shaders::Effect;
 use serde_json::{Map, Value, json};
@@ -24,7 +24,7 @@ pub struct Scored {
 }
 
 /// What an evaluation has come to.
-pub struct Judgement {
+pub struct EvaluationOutcome {
     /// Who was evaluated.
     pub rivals: Vec<Rival>,
     /// All sets together, but for [`ARTISTS`] where it is not the only one.
@@ -34,7 +34,7 @@ pub struct Judgement {
 }
 
 /// A network against its strongest rival on a test set, or on all.
-pub struct Versus<'a> {
+pub struct NetworkComparison<'a> {
     /// Which.
     pub title: &'a str,
     /// What figures of it end with; none of a set without a name of its own.
@@ -43,7 +43,7 @@ pub struct Versus<'a> {
     pub pair: Pair<'a>,
 }
 
-impl Judgement {
+impl EvaluationOutcome {
     /// Puts sets together.
     pub fn new(rivals: Vec<Rival>, mut sets: Vec<Scored>) -> Self {
         let only = sets.iter().all(|set| set.name == ARTISTS);
@@ -58,9 +58,9 @@ impl Judgement {
     }
 
     /// The network against its strongest rival, set by set, and then on all; nothing without a network.
-    pub fn pairs(&self) -> Vec<Versus<'_>> {
+    pub fn pairs(&self) -> Vec<NetworkComparison<'_>> {
         let of = |title, suffix, evaluation: &Evaluation| {
-            Some(Versus { title, suffix, pair: Pair::new(evaluation, &self.rivals)? })
+            Some(NetworkComparison { title, suffix, pair: Pair::new(evaluation, &self.rivals)? })
         };
         let divided = self.is_divided();
         let each = self.sets.iter().filter(|_| divided).filter_map(|set| {
@@ -111,7 +111,7 @@ impl Judgement {
             figures.detail("sets", self.sets.iter().map(parts).collect::<Map<_, _>>().into());
         }
         let pairs = self.pairs();
-        for Versus { suffix, pair, .. } in &pairs {
+        for NetworkComparison { suffix, pair, .. } in &pairs {
             suffix.iter().for_each(|suffix| pair.set_figures(figures, suffix));
         }
         if !pairs.is_empty() {
@@ -140,7 +140,7 @@ impl Judgement {
     }
 }
 
-fn interval(estimate: &Estimate) -> Value {
+fn interval(estimate: &MeanInterval) -> Value {
     json!([estimate.low, estimate.high])
 }
 
@@ -157,7 +157,7 @@ mod tests {
 
     fn figures_of(sets: Vec<Scored>) -> Value {
         let mut figures = Figures::new("eval");
-        Judgement::new(Vec::new(), sets).set_figures(&mut figures, Effect::Ao);
+        EvaluationOutcome::new(Vec::new(), sets).set_figures(&mut figures, Effect::Ao);
         figures.to_json()
     }
 

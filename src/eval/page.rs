@@ -2,7 +2,7 @@
 //! worst.
 
 use super::networks::Row;
-use super::score::Sight;
+use super::score::FrameImages;
 use crate::arguments;
 use crate::figures::write_atomically;
 use crate::report::images::{shown, write_png};
@@ -24,7 +24,7 @@ struct Page<'a> {
 
 struct Network<'a> {
     name: &'a str,
-    sights: Vec<(&'static str, &'a Sight)>,
+    sights: Vec<(&'static str, &'a FrameImages)>,
 }
 
 /// Makes a folder ready for it, as [`arguments::page_folder`] says.
@@ -56,7 +56,7 @@ pub fn write(folder: &Path, lines: &[Vec<String>], rows: &[Row]) -> Result<()> {
 
 /// A network's best, middle and worst frame.
 fn network(row: &Row) -> Network<'_> {
-    let mut sights: Vec<&Sight> = row.judgement.evaluation.sights.iter().collect();
+    let mut sights: Vec<&FrameImages> = row.outcome.evaluation.sights.iter().collect();
     sights.sort_by(|a, b| b.ssim.total_cmp(&a.ssim));
     let ranks = match sights.len() {
         0 => Vec::new(),

@@ -6,7 +6,7 @@ use super::rivals::Rival;
 use super::score::Evaluation;
 use crate::figures::Figures;
 use crate::methods::LEARNED;
-use crate::statistics::{Estimate, paired};
+use crate::statistics::{MeanInterval, paired};
 use serde_json::{Value, json};
 
 /// What differences are of, as figures name it.
@@ -19,7 +19,7 @@ pub struct Pair<'a> {
     /// Mean milliseconds of the network, and of the rival where it ran on the same device.
     pub milliseconds: (f64, Option<f64>),
     /// How far the network is above the rival, by [`METRICS`], where both were measured.
-    pub differences: [Option<Estimate>; 4],
+    pub differences: [Option<MeanInterval>; 4],
 }
 
 /// A rival's figures.
@@ -53,7 +53,7 @@ impl<'a> Pair<'a> {
     /// each with a suffix.
     pub fn set_figures(&self, figures: &mut Figures, suffix: &str) {
         for (metric, difference) in METRICS.iter().zip(self.differences) {
-            let Some(Estimate { mean, low, high }) = difference else { continue };
+            let Some(MeanInterval { mean, low, high }) = difference else { continue };
             for (end, value) in [("", mean), ("_low", low), ("_high", high)] {
                 figures.set(&format!("paired_{metric}{end}{suffix}"), value);
             }

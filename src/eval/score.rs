@@ -3,7 +3,7 @@
 
 use super::rivals::Rival;
 use crate::methods::LEARNED;
-use crate::statistics::{Estimate, estimate, scene_means};
+use crate::statistics::{MeanInterval, estimate, scene_means};
 use anyhow::{Context, Result};
 use deepshade_dataset::progress;
 use deepshade_dataset::testset::{FrameRecord, gather};
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 type Table = BTreeMap<String, Vec<(usize, f64)>>;
 
 /// Of a part of the scenes: what parts there are by, and which one it is.
-type Part = (&'static str, String);
+type SceneGroup = (&'static str, String);
 
 /// Scores of all frames.
 #[derive(Default)]
@@ -31,14 +31,14 @@ pub struct Evaluation {
     /// What each method ran on, by its figures' name.
     pub devices: BTreeMap<String, String>,
     /// Frames of which there is the whole truth, if a network was among the methods.
-    pub sights: Vec<Sight>,
+    pub sights: Vec<FrameImages>,
     overall: Table,
     /// The same for parts of the scenes.
-    parts: BTreeMap<Part, Table>,
+    parts: BTreeMap<SceneGroup, Table>,
 }
 
 /// A frame to look at.
-pub struct Sight {
+pub struct FrameImages {
     /// Name of the frame.
     pub name: String,
     /// The network's SSIM.
@@ -49,7 +49,7 @@ pub struct Sight {
 
 impl Evaluation {
     /// Means with their intervals, by figure name.
-    pub fn estimates(&self) -> BTreeMap<&str, Estimate> {
+    pub fn estimates(&self) -> BTreeMap<&str, MeanInterval> {
         self.overall.iter().map(|(name, values)| (name.as_str(), estimate(values))).collect()
     }
 
@@ -214,7 +214,7 @@ fn score_frame(
     evaluation.add(source, "ssim_ceiling", record.ceiling.ssim);
     if let (Some(ssim), Some(whole)) = (of_network, whole) {
         images.push(("target".to_owned(), whole));
-        evaluation.sights.push(Sight { name: record.name.clone(), ssim, images });
+        evaluation.sights.push(FrameImages { name: record.name.clone(), ssim, images });
     }
     Ok(())
 }

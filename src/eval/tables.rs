@@ -1,10 +1,10 @@
 //! What an evaluation prints: a table for each test set, one of the network against its strongest rivals, and
 //! the scenes in which it is worse than doing nothing.
 
-use super::outcome::{Judgement, Scored, Versus};
+use super::outcome::{EvaluationOutcome, NetworkComparison, Scored};
 use super::rivals::Rival;
 use crate::methods::LEARNED;
-use crate::statistics::Estimate;
+use crate::statistics::MeanInterval;
 use crate::table;
 use anyhow::Result;
 use deepshade_render::methods::Quality;
@@ -14,9 +14,9 @@ use deepshade_shaders::Effect;
 ///
 /// # Errors
 /// If nobody reads it.
-pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
-    for set in &judgement.sets {
-        let of = if judgement.is_divided() { format!(", {}", set.title) } else { String::new() };
+pub fn print(effect: Effect, outcome: &EvaluationOutcome) -> Result<()> {
+    for set in &outcome.sets {
+        let of = if outcome.is_divided() { format!(", {}", set.title) } else { String::new() };
         say!(
             "{effect}{of}: {} frames of {} scenes, FLIP of {} of them; means over scenes with 95 % confidence \
              intervals, milliseconds on the device that is named",
@@ -24,9 +24,9 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
             set.evaluation.scenes.len(),
             set.evaluation.frames_of_flip()
         )?;
-        say!("{}", methods(effect, &judgement.rivals, set))?;
+        say!("{}", methods(effect, &outcome.rivals, set))?;
     }
-    let pairs = judgement.pairs();
+    let pairs = outcome.pairs();
     if !pairs.is_empty() {
         say!(
             "\n`{LEARNED}` less the best by SSIM of the methods that take as long on the same device, or the \
@@ -34,7 +34,7 @@ pub fn print(effect: Effect, judgement: &Judgement) -> Result<()> {
         )?;
         say!("{}", differences(&pairs))?;
     }
-    match judgement.below_trivial(effect) {
+    match outcome.below_trivial(effect) {
         Some(scenes) if !scenes.is_empty() => {
             let (count, names) = (scenes.len(), scenes.join(", "));
             say!(
@@ -52,7 +52,7 @@ fn methods(effect: Effect, rivals: &[Rival], set: &Scored) -> String {
     let (estimates, devices) = (set.evaluation.estimates(), &set.evaluation.devices);
     let row = |name: &str, method: &str, quality: String| {
         let found = |metric: &str| estimates.get(format!("{metric}_{name}").as_str());
-        let interval = |metric: &str| found(metric).map_or(String::new(), Estimate::to_string);
+        let interval = |metric: &str| found(metric).map_or(String::new(), MeanInterval::to_string);
         let number = |metric: &str, digits: usize| {
             found(metric).map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
         };
@@ -82,17 +82,17 @@ fn tuned(rival: &Rival) -> String {
 }
 
 /// One row a pair.
-fn differences(pairs: &[Versus<'_>]) -> String {
+fn differences(pairs: &[NetworkComparison<'_>]) -> String {
     let head = ["test set", "against", "its ms", "ms", "SSIM", "PSNR (dB)", "FLIP", "relMSE"];
-    let row = |versus: &Versus<'_>| {
+    let row = |versus: &NetworkComparison<'_>| {
         let pair = &versus.pair;
         let milliseconds = |time: f64| format!("{time:.2}");
         let own = milliseconds(pair.milliseconds.0);
         let rival = pair.milliseconds.1.map_or("on another device".to_owned(), milliseconds);
         let against = format!("{} {}", pair.rival.method_name, tuned(pair.rival)).trim().to_owned();
         let [ssim, psnr, flip, relmse] = pair.differences;
-        let text = |difference: Option<Estimate>, digits: usize| {
-            difference.map_or(String::new(), |Estimate { mean, low, high }| {
+        let text = |difference: Option<MeanInterval>, digits: usize| {
+            difference.map_or(String::new(), |MeanInterval { mean, low, high }| {
                 format!("{mean:+.digits$} [{low:+.digits$}, {high:+.digits$}]")
             })
         };

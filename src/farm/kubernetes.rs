@@ -5,7 +5,7 @@
 //! is edited. Credentials of a store come from the secret `deepshade`, if there is one: each of its keys is a
 //! variable of the environment.
 
-use super::plan::Plan;
+use super::plan::FarmPlan;
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::Path;
@@ -21,7 +21,7 @@ const AT_ONCE: u32 = 1000;
 ///
 /// # Errors
 /// If a path is no text.
-pub fn job(plan: &Plan, jobs: &Path) -> Result<String> {
+pub fn job(plan: &FarmPlan, jobs: &Path) -> Result<String> {
     let jobs = jobs.to_str().context("the folder of jobs is no text")?;
     // Indices begin at 0. The paths are arguments of the shell, not part of what it reads.
     let work = "exec \"$0\" farm work \"$1\" --shard $((JOB_COMPLETION_INDEX + 1))";

@@ -2,7 +2,7 @@
 
 use super::Engine;
 use crate::figures::{Figures, write_atomically};
-use crate::place::Place;
+use crate::location::Location;
 use anyhow::{Context, Result, bail, ensure};
 use deepshade_dataset::{Recipe, Shard};
 use rayon::prelude::*;
@@ -38,7 +38,7 @@ pub struct Args {
     scenes: Option<PathBuf>,
     /// Folder or address that the shards are to be in; with Kubernetes a folder below --jobs, or an address.
     #[arg(long)]
-    out: Place,
+    out: Location,
     /// Into how many shards the dataset is cut: each a task of minutes to hours.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
@@ -74,7 +74,7 @@ pub struct Args {
 /// What is made, by what, in how many parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
+pub struct FarmPlan {
     version: u32,
     /// The recipe's file, its whole path.
     pub recipe: PathBuf,
@@ -82,7 +82,7 @@ pub struct Plan {
     pub recipe_blake3: String,
     /// What its scene files are relative to, where that is not its folder.
     pub scenes: Option<PathBuf>,
-    /// Where the shards are, as [`Place`] reads it.
+    /// Where the shards are, as [`Location`] reads it.
     pub out: String,
     /// How many there are.
     pub shards: u32,
@@ -102,7 +102,7 @@ pub struct Plan {
     pub image: Option<String>,
 }
 
-impl Plan {
+impl FarmPlan {
     /// The plan in a folder of jobs.
     ///
     /// # Errors
@@ -142,8 +142,8 @@ impl Plan {
     /// Where a shard is.
     ///
     /// # Errors
-    /// If the plan names no place, which [`Plan::load`] has seen to.
-    pub fn shard_place(&self, shard: Shard) -> Result<Place> {
+    /// If the plan names no place, which [`FarmPlan::load`] has seen to.
+    pub fn shard_place(&self, shard: Shard) -> Result<Location> {
         Ok(self.place()?.join(&format!("shard-{}-of-{}", shard.number(), shard.count())))
     }
 
@@ -160,7 +160,7 @@ impl Plan {
         shards.par_iter().filter_map(|shard| missing(shard).transpose()).collect()
     }
 
-    fn place(&self) -> Result<Place> {
+    fn place(&self) -> Result<Location> {
         self.out.parse().map_err(anyhow::Error::msg)
     }
 
@@ -179,7 +179,7 @@ impl Plan {
 pub fn run(args: &Args) -> Result<()> {
     let mut plan = planned(args)?;
     let below = match (args.engine, &args.out) {
-        (Engine::Kubernetes, Place::Folder(out)) => Some(in_volume(out, &args.jobs)?),
+        (Engine::Kubernetes, Location::Folder(out)) => Some(in_volume(out, &args.jobs)?),
         _ => None,
     };
     let jobs = fresh(&args.jobs)?;
@@ -222,7 +222,7 @@ pub(super) fn in_volume(out: &Path, jobs: &Path) -> Result<PathBuf> {
     })
 }
 
-fn planned(args: &Args) -> Result<Plan> {
+fn planned(args: &Args) -> Result<FarmPlan> {
     ensure!(
         args.engine != Engine::Kubernetes || args.image.is_some(),
         "--engine kubernetes needs --image, the container image that pods run, which has the program and the \
@@ -233,12 +233,12 @@ fn planned(args: &Args) -> Result<Plan> {
     let recipe = whole(&args.recipe)?;
     let scenes = args.scenes.as_deref().map(whole).transpose()?;
     let out = match &args.out {
-        Place::Folder(folder) => {
+        Location::Folder(folder) => {
             std::path::absolute(folder).with_context(|| folder.display().to_string())?.display().to_string()
         }
-        Place::Store(address) => address.to_string(),
+        Location::Store(address) => address.to_string(),
     };
-    let mut plan = Plan {
+    let mut plan = FarmPlan {
         version: VERSION,
         recipe_blake3: file_hash(&recipe)?,
         recipe,

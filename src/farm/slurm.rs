@@ -1,6 +1,6 @@
 //! Slurm: one task of a job array for each shard (sbatch(1), `--array`, `--requeue`).
 
-use super::plan::{LOGS, Plan};
+use super::plan::{FarmPlan, LOGS};
 use anyhow::{Context, Result};
 use std::path::Path;
 
@@ -15,8 +15,8 @@ const BEYOND: u32 = 2;
 ///
 /// # Errors
 /// If a path cannot be written into a script.
-pub fn script(plan: &Plan, jobs: &Path) -> Result<String> {
-    let Plan { shards, cores, minutes, retries, .. } = plan;
+pub fn script(plan: &FarmPlan, jobs: &Path) -> Result<String> {
+    let FarmPlan { shards, cores, minutes, retries, .. } = plan;
     let time = minutes.saturating_add(BEYOND);
     let name = plan.name();
     let program = quoted(&plan.program)?;

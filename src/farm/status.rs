@@ -1,6 +1,6 @@
 //! `deepshade farm status`: which shards are made, which failed and why, and what comes next.
 
-use super::plan::Plan;
+use super::plan::FarmPlan;
 use super::work;
 use crate::figures::Figures;
 use anyhow::Result;
@@ -25,7 +25,7 @@ pub struct Args {
 /// # Errors
 /// If the plan or a note cannot be read, or the shards' place cannot be looked at.
 pub fn run(args: &Args) -> Result<()> {
-    let plan = Plan::load(&args.jobs)?;
+    let plan = FarmPlan::load(&args.jobs)?;
     let missing = plan.missing()?;
     let mut failed = Vec::new();
     for shard in &missing {

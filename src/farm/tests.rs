@@ -1,11 +1,11 @@
-use super::plan::Plan;
+use super::plan::FarmPlan;
 use super::{Engine, RAY_TASKS, kubernetes, slurm};
 use serde_json::Value;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-fn plan(engine: Engine) -> Plan {
+fn plan(engine: Engine) -> FarmPlan {
     let plan = serde_json::json!({
         "version": 1, "recipe": "/data/it's a recipe.toml", "recipe_blake3": "", "scenes": null, "out": "s3://bucket/ao",
         "shards": 12, "pairs": 100, "engine": engine, "cores": 4, "minutes": 90, "retries": 3,

@@ -1,6 +1,6 @@
 //! `deepshade farm work`: one shard, made by a task of the engine.
 
-use super::plan::Plan;
+use super::plan::FarmPlan;
 use crate::figures::write_atomically;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::{Shard, Summary};
@@ -25,7 +25,7 @@ pub struct Args {
 /// If the recipe has changed or cannot be followed, or the shard is in use or cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     end_with_parent();
-    let plan = Plan::load(&args.jobs)?;
+    let plan = FarmPlan::load(&args.jobs)?;
     let shard: Shard = format!("{}/{}", args.shard, plan.shards).parse().map_err(anyhow::Error::msg)?;
     let made = make(&plan, shard).with_context(|| format!("shard {shard}"));
     if let Err(error) = &made {
@@ -35,7 +35,7 @@ pub fn run(args: &Args) -> Result<()> {
     say!("shard {shard}: {pairs} pairs, {rendered} of them rendered now")
 }
 
-fn make(plan: &Plan, shard: Shard) -> Result<Summary> {
+fn make(plan: &FarmPlan, shard: Shard) -> Result<Summary> {
     let recipe = plan.recipe()?;
     let summary = crate::dataset::made(&recipe, &plan.shard_place(shard)?, Some(shard))?;
     ensure!(summary.pairs > 0, "no pair is planned for it");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A scene file, maybe with a camera's name behind a colon, or a text file with a matrix.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct CameraSource {
     path: PathBuf,
     name: Option<String>,
 }
@@ -33,7 +33,7 @@ pub struct Candidate {
     pub in_file_units: bool,
 }
 
-impl std::str::FromStr for Source {
+impl std::str::FromStr for CameraSource {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -89,7 +89,7 @@ impl Pose {
 ///
 /// # Errors
 /// If the file cannot be read, holds no camera, or several of which none is named.
-pub fn of_source(source: &Source) -> Result<Vec<Candidate>> {
+pub fn of_source(source: &CameraSource) -> Result<Vec<Candidate>> {
     let file = source.path.display().to_string();
     if let Ok(scene) = file.parse::<SceneSource>() {
         let pose = Pose::of(&chosen(&scene.scene(0.0)?.cameras, source)?);
@@ -122,7 +122,7 @@ pub fn of_attribute(attribute: [f32; 16]) -> Vec<Candidate> {
         .collect()
 }
 
-fn chosen(cameras: &[(String, Camera)], source: &Source) -> Result<Camera> {
+fn chosen(cameras: &[(String, Camera)], source: &CameraSource) -> Result<Camera> {
     let file = source.path.display();
     let names: Vec<&str> = cameras.iter().map(|(name, _)| name.as_str()).collect();
     ensure!(!cameras.is_empty(), "{file}: the scene brings no camera");

@@ -10,7 +10,7 @@ mod rotation;
 mod told;
 mod world;
 
-use super::projection::{self, Projection, Seen};
+use super::projection::{self, ProjectedPoint, Projection};
 use super::space::vectors;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use glam::{DVec2, Vec3};
@@ -153,8 +153,9 @@ fn of_space(
 
 /// How positions fall on their pixels.
 pub fn projection(width: usize, height: usize, positions: &[Vec3], seen: &[usize]) -> Option<Projection> {
-    let points =
-        seen.iter().map(|at| Seen { pixel: pixel(width, height, *at), point: positions[*at].as_dvec3() });
+    let points = seen
+        .iter()
+        .map(|at| ProjectedPoint { pixel: pixel(width, height, *at), point: positions[*at].as_dvec3() });
     projection::of(&points.collect::<Vec<_>>())
 }
 

@@ -19,7 +19,7 @@ pub struct Projection {
 }
 
 /// A point and its pixel: column and row, from the middle of the image, the row upwards.
-pub struct Seen {
+pub struct ProjectedPoint {
     pub pixel: DVec2,
     pub point: DVec3,
 }
@@ -30,8 +30,8 @@ const LEAST_SPREAD: f64 = 1.0;
 
 /// How points that a camera sees which looks down -z fall on their pixels. None where too few do lie before
 /// it, or they do not say.
-pub fn of(points: &[Seen]) -> Option<Projection> {
-    let before: Vec<&Seen> = points.iter().filter(|seen| seen.point.z < 0.0).collect();
+pub fn of(points: &[ProjectedPoint]) -> Option<Projection> {
+    let before: Vec<&ProjectedPoint> = points.iter().filter(|seen| seen.point.z < 0.0).collect();
     if before.len() < FEWEST {
         return None;
     }
@@ -81,12 +81,12 @@ mod tests {
     use super::*;
 
     /// What a camera sees of a bumpy surface, each point moved by `moved`.
-    fn seen(lens: impl Fn(DVec2) -> DVec3, moved: impl Fn(DVec3) -> DVec3) -> Vec<Seen> {
+    fn seen(lens: impl Fn(DVec2) -> DVec3, moved: impl Fn(DVec3) -> DVec3) -> Vec<ProjectedPoint> {
         let pixel = |index: usize| DVec2::new((index % 40) as f64 - 19.5, 14.5 - (index / 40) as f64);
         let distance = |at: DVec2| 3.0 + (0.3 * at.x).sin() + (0.2 * at.y).cos();
         (0..1200)
             .map(pixel)
-            .map(|at| Seen { pixel: at, point: moved(lens(at / 20.0) * distance(at)) })
+            .map(|at| ProjectedPoint { pixel: at, point: moved(lens(at / 20.0) * distance(at)) })
             .collect()
     }
 
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn a_camera_explains_its_own_positions_whatever_its_lens() {
-        let explained = |points: &[Seen]| of(points).expect("points enough").explained;
+        let explained = |points: &[ProjectedPoint]| of(points).expect("points enough").explained;
         assert!(explained(&seen(pinhole, |point| point)) > 0.999_999);
         let fisheye = |at: DVec2| {
             let (axis, angle) = (at.normalize(), at.length());

@@ -20,7 +20,7 @@ pub struct Read {
 }
 
 /// What of a file is asked for.
-pub struct Wanted<'a> {
+pub struct ReadRequest<'a> {
     /// Which file.
     pub path: &'a Path,
     /// Which of its layers, where it has several.
@@ -35,7 +35,7 @@ pub struct Wanted<'a> {
 ///
 /// # Errors
 /// If the file cannot be read, lacks something, or holds what is no g-buffer as the options have it.
-pub fn read(wanted: &Wanted<'_>, spec: &NetSpec) -> Result<Read> {
+pub fn read(wanted: &ReadRequest<'_>, spec: &NetSpec) -> Result<Read> {
     let mut attributes = learned::reads(spec)?;
     attributes.retain(|attribute| *attribute != Attribute::Valid || spec.inputs.contains(attribute));
     wanted.space.check_use(&attributes)?;
@@ -57,7 +57,7 @@ pub fn read(wanted: &Wanted<'_>, spec: &NetSpec) -> Result<Read> {
     let gbuffer = if wanted.trusted { gbuffer } else { without_sky(gbuffer, wanted)? };
     let converted = wanted.space.converted(gbuffer, file.world_to_camera())?;
     if !wanted.trusted {
-        judge(&contradictions(&converted, &attributes)?, &attributes, wanted.path)?;
+        refuse_contradictions(&contradictions(&converted, &attributes)?, &attributes, wanted.path)?;
     }
     let gbuffer = GBuffer::new(attributes.clone(), converted.select(&attributes)?);
     Ok(Read { gbuffer, windows, file })
@@ -85,7 +85,7 @@ fn is_usable(file: &ExrImage, attributes: &[Attribute], other: Attribute, window
 }
 
 /// The g-buffer without what stands for the sky in it, of which a note is made.
-fn without_sky(gbuffer: GBuffer, wanted: &Wanted<'_>) -> Result<GBuffer> {
+fn without_sky(gbuffer: GBuffer, wanted: &ReadRequest<'_>) -> Result<GBuffer> {
     let (gbuffer, skies) = sky::without_sky(gbuffer, wanted.space.sign_before())?;
     for sky in skies {
         note!("{}: {sky}; --trusted takes it for a surface", wanted.path.display());
@@ -118,7 +118,7 @@ fn with_validity(gbuffer: GBuffer, read: &[Attribute]) -> GBuffer {
 }
 
 /// Refuses a g-buffer for what cannot be right in it, and warns of what may not be.
-fn judge(found: &[Contradiction], read: &[Attribute], path: &Path) -> Result<()> {
+fn refuse_contradictions(found: &[Contradiction], read: &[Attribute], path: &Path) -> Result<()> {
     let (grave, light): (Vec<&Contradiction>, Vec<&Contradiction>) =
         found.iter().partition(|one| one.is_grave(read));
     for one in light {

@@ -1,7 +1,7 @@
 //! A g-buffer as networks read it, of one that is in another space or unit, or writes its normals in another
 //! way.
 
-use super::camera::{self, Candidate, Pose, Source};
+use super::camera::{self, CameraSource, Candidate, Pose};
 use super::contract;
 use super::normals::{self, Normals};
 use anyhow::{Context, Result, ensure};
@@ -28,7 +28,7 @@ pub struct Args {
     /// Camera of a g-buffer in world space: a scene file, maybe with a camera's name (scene.glb:Camera), or
     /// a text file with the 16 numbers, row by row, of the matrix that brings camera space to world space.
     #[arg(long, value_name = "FILE[:NAME]")]
-    camera: Option<Source>,
+    camera: Option<CameraSource>,
     /// Which way the camera looks.
     #[arg(long, value_enum, default_value_t = Forward::MinusZ, allow_hyphen_values = true)]
     forward: Forward,

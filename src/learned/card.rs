@@ -1,7 +1,7 @@
 //! What runs before and after a trained network on a card, compiled once.
 
 use super::estimates::estimator;
-use super::recorded::{Estimate, Recorded, Run};
+use super::recorded::{EstimatePasses, NetworkRun, Recorded};
 use super::{LEARNED, failed};
 use crate::methods::open_screen;
 use deepshade_infer::forward::{FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource, Runner};
@@ -102,7 +102,7 @@ impl Card {
         let run = |run| {
             let source = InputSource { size, attributes: &attributes, run, frame };
             let buffers = ImageBuffers { size, valid, made, image, run };
-            Ok(Run {
+            Ok(NetworkRun {
                 input: self.input.bind(&source, runner.input()).map_err(failed)?,
                 image: self.image.bind(&buffers, frame).map_err(failed)?,
             })
@@ -128,8 +128,8 @@ impl Card {
         reads
     }
 
-    fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<Estimate>, MethodError> {
-        let estimates = self.methods.iter().map(|method| Estimate::new(method, gbuffer, view));
+    fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<EstimatePasses>, MethodError> {
+        let estimates = self.methods.iter().map(|method| EstimatePasses::new(method, gbuffer, view));
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
 }
@@ -138,7 +138,7 @@ impl Card {
 fn passes(
     gpu: &Gpu,
     spec: &NetSpec,
-    estimate: &deepshade_infer::Estimate,
+    estimate: &deepshade_infer::AnalyticEstimate,
 ) -> Result<ScreenMethod, MethodError> {
     let other = |what: String| MethodError::Other { method: LEARNED, what };
     let quality = Quality::ALL.into_iter().find(|quality| quality.name() == estimate.quality);

@@ -53,7 +53,7 @@ impl Estimates {
 ///
 /// # Errors
 /// If there is no such method or quality.
-pub fn estimator(estimate: &deepshade_infer::Estimate) -> Result<Estimator, MethodError> {
+pub fn estimator(estimate: &deepshade_infer::AnalyticEstimate) -> Result<Estimator, MethodError> {
     Estimator::named(&estimate.method, &estimate.quality)
         .map_err(|error| MethodError::Other { method: LEARNED, what: error.to_string() })
 }

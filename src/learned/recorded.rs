@@ -3,20 +3,20 @@
 
 use super::estimates::SEED;
 use deepshade_infer::forward::{FrameRecording, FrameScale, Runner};
-use deepshade_render::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, GpuError, Stamps};
 use std::sync::Arc;
 use wgpu::{Buffer, CommandEncoder, ComputePass, ComputePassTimestampWrites, Queue};
 
 /// A network's passes from a g-buffer to an image. Recording them makes nothing anew.
 pub struct Recorded {
-    pub(super) estimates: Vec<Estimate>,
+    pub(super) estimates: Vec<EstimatePasses>,
     pub(super) runner: Arc<Runner>,
-    pub(super) runs: Vec<Run>,
+    pub(super) runs: Vec<NetworkRun>,
 }
 
 /// What comes before and after one of the network's runs.
-pub struct Run {
+pub struct NetworkRun {
     /// What makes the network's input.
     pub input: FrameRecording,
     /// What makes the image, or a colour channel of it.
@@ -24,8 +24,8 @@ pub struct Run {
 }
 
 /// What a method estimates in passes.
-pub struct Estimate {
-    plan: Plan,
+pub struct EstimatePasses {
+    passes: MethodPasses,
     /// What its first pass writes: the image before its blur. Later passes may write there again.
     first: Buffer,
     raw: Buffer,
@@ -39,7 +39,7 @@ impl Recorded {
         for estimate in &self.estimates {
             estimate.encode(encoder, begin.take());
         }
-        for (index, Run { input, image }) in (1..).zip(&self.runs) {
+        for (index, NetworkRun { input, image }) in (1..).zip(&self.runs) {
             compute(encoder, begin.take(), |pass| input.encode_in(pass));
             self.runner.encode(encoder);
             compute(encoder, of_one(false, index == self.runs.len()), |pass| image.encode_in(pass));
@@ -49,37 +49,37 @@ impl Recorded {
     /// What holds for another frame, from the next submission on; `methods` are those of the estimates.
     pub fn set(&self, queue: &Queue, methods: &[ScreenMethod], view: &View, frame: FrameScale) {
         for (estimate, method) in self.estimates.iter().zip(methods) {
-            estimate.plan.look(queue, method, &of_estimates(view));
+            estimate.passes.look(queue, method, &of_estimates(view));
         }
-        for Run { input, image } in &self.runs {
+        for NetworkRun { input, image } in &self.runs {
             input.set(queue, frame);
             image.set(queue, frame);
         }
     }
 }
 
-impl Estimate {
+impl EstimatePasses {
     /// Of a frame's g-buffer on the method's device.
     ///
     /// # Errors
     /// If the device has no room, or refuses a binding.
     pub fn new(method: &ScreenMethod, gbuffer: &GpuGBuffer, view: &View) -> Result<Self, GpuError> {
         let inputs = Inputs { gbuffer, environment: None, world: None };
-        let plan = Plan::new(method, &inputs, &of_estimates(view))?;
-        let first = plan.steps().first().and_then(|step| step.writes.first());
-        let first = first.unwrap_or_else(|| plan.output()).clone();
+        let passes = MethodPasses::new(method, &inputs, &of_estimates(view))?;
+        let first = passes.steps().first().and_then(|step| step.writes.first());
+        let first = first.unwrap_or_else(|| passes.output()).clone();
         let raw = gpu::empty::<f32>(&method.gpu().device, "learned.raw", view.height * view.width)?;
-        Ok(Self { plan, first, raw })
+        Ok(Self { passes, first, raw })
     }
 
     /// Its image, and the same before the method's blur.
     pub fn images(&self) -> [&Buffer; 2] {
-        [self.plan.output(), &self.raw]
+        [self.passes.output(), &self.raw]
     }
 
     /// Records its passes; `begin` is when they begin.
     pub fn encode(&self, encoder: &mut CommandEncoder, begin: Option<ComputePassTimestampWrites<'_>>) {
-        let steps = self.plan.steps();
+        let steps = self.passes.steps();
         let (first, later) = steps.split_at(steps.len().min(1));
         compute(encoder, begin, |pass| first.iter().for_each(|step| step.step.encode_in(pass)));
         encoder.copy_buffer_to_buffer(&self.first, 0, &self.raw, 0, self.raw.size());

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::methods;
-use deepshade_infer::{ChannelOrder, Estimate, Model, NetSpec, Reach, Weights};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, Model, NetSpec, Reach, Weights};
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use glam::Vec3;
@@ -13,7 +13,7 @@ fn shadow_maps(effect: Effect, method: &str) -> usize {
     let source: SceneSource = "room:1".parse().expect("a scene");
     let animated = AnimatedScene::load(&source, 0.0).expect("a scene");
     let method = methods::open_screen(effect, method, &gpu, Quality::Low).expect("a method");
-    let wanted = Wanted {
+    let wanted = LiveSettings {
         size: [16, 24],
         methods: vec![method],
         learned: None,
@@ -42,7 +42,7 @@ fn recorded_against_alone(spec: NetSpec) -> (f32, f32) {
     let model = Model { weights: Weights::random(&spec, 3), spec };
     let source: SceneSource = "room:1".parse().expect("a scene");
     let animated = AnimatedScene::load(&source, 0.0).expect("a scene");
-    let wanted = Wanted {
+    let wanted = LiveSettings {
         size: [32, 48],
         methods: Vec::new(),
         learned: Some(Learned::on_adapter(&gpu, &model).expect("compiles")),
@@ -73,7 +73,7 @@ fn recorded_against_alone(spec: NetSpec) -> (f32, f32) {
 fn a_network_recorded_with_a_frame_makes_what_it_makes_of_the_g_buffer() {
     let (largest, _) = recorded_against_alone(NetSpec::ao(ChannelOrder::Interleaved, REACH));
     assert!(largest < 2e-3, "{largest}");
-    let estimate = Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
     let corrected = NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one");
     let (_, share) = recorded_against_alone(corrected);
     assert!(share < 0.02, "{share} of the pixels");

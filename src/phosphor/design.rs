@@ -11,11 +11,11 @@ use crate::table;
 use anyhow::{Context, Result, ensure};
 use deepshade_glow::file::MaterialFile;
 use deepshade_glow::material::Material;
-use deepshade_phosphor::design::{Design, Key, Place, thesis_grid};
+use deepshade_phosphor::design::{Design, Key, TargetPoint, thesis_grid};
 use deepshade_render::scene::glow::file::{GlowFile, WrittenSurface};
 use deepshade_shaders::colour::luminance;
 use glam::{DVec3, Vec3};
-use light::{Spot, Stage};
+use light::{Spot, SwitchedScene};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -87,7 +87,7 @@ pub struct Designed {
     pub numbers: Vec<usize>,
     pub spots: Vec<Spot>,
     /// Their light and what is wanted there.
-    pub places: Vec<Place>,
+    pub places: Vec<TargetPoint>,
     pub design: Design,
     /// What the thesis' grid leaves.
     grid: f64,
@@ -100,12 +100,13 @@ pub struct Designed {
 /// If the file says what makes no sense or the scene lacks, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
     let task = Task::read(&args.file)?;
-    let stage = Stage::new(&task).with_context(|| args.file.display().to_string())?;
-    let first = stage.at(0.0)?;
+    let switched = SwitchedScene::new(&task).with_context(|| args.file.display().to_string())?;
+    let first = switched.at(0.0)?;
     ensure!(!first.scene().lights.is_empty(), "{}: the scene has no lamp", args.file.display());
     let size = [args.height.into(), usize::from(args.height) * 3 / 2];
     let camera = task.view.of(&task.scene, &first, size, 0)?.camera;
-    let found = designs(&task, &stage, camera.position).with_context(|| args.file.display().to_string())?;
+    let found =
+        designs(&task, &switched, camera.position).with_context(|| args.file.display().to_string())?;
     found.iter().for_each(Designed::warn);
     let paints = spread::paints(&found, first.scene(), task.reach())?;
     let mut figures = Figures::new("phosphor design");
@@ -137,17 +138,17 @@ pub fn run(args: &Args) -> Result<()> {
     let file = args.out.join("glow.toml");
     write_atomically(&file, glow.text().as_bytes())?;
     pictures::plots(&task, &found, &args.out)?;
-    strip::write(&task, (&stage, &camera), &found, &file, size)?;
+    strip::write(&task, (&switched, &camera), &found, &file, size)?;
     say!("{}", table::aligned(&rows(&found)))?;
     say!("{}", file.display())
 }
 
 /// The designs of all materials that places are on, which are seen from `eye`.
-fn designs(task: &Task, stage: &Stage, eye: Vec3) -> Result<Vec<Designed>> {
-    let first = stage.at(0.0)?;
+fn designs(task: &Task, switched: &SwitchedScene, eye: Vec3) -> Result<Vec<Designed>> {
+    let first = switched.at(0.0)?;
     let spots: Vec<Spot> =
         task.places.iter().map(|place| light::spot(&first, place.at)).collect::<Result<_>>()?;
-    let [excites, reflected] = light::received(task, stage, &first, (&spots, eye))?;
+    let [excites, reflected] = light::received(task, switched, &first, (&spots, eye))?;
     let mut materials: Vec<usize> = spots.iter().map(|spot| spot.material).collect();
     materials.sort_unstable();
     materials.dedup();
@@ -156,7 +157,7 @@ fn designs(task: &Task, stage: &Stage, eye: Vec3) -> Result<Vec<Designed>> {
         let numbers: Vec<usize> =
             (0..spots.len()).filter(|index| spots[*index].material == material).collect();
         let places = numbers.iter().map(|index| place(task, *index, [&excites[*index], &reflected[*index]]));
-        let places = places.collect::<Result<Vec<Place>>>()?;
+        let places = places.collect::<Result<Vec<TargetPoint>>>()?;
         let name = names[material].clone();
         let start = Instant::now();
         let design = Design::new(&format!("{name}, designed"), &places, task.states)?;
@@ -169,7 +170,7 @@ fn designs(task: &Task, stage: &Stage, eye: Vec3) -> Result<Vec<Designed>> {
 }
 
 /// A place of the task with its light in each frame: what excites, and what is reflected.
-fn place(task: &Task, index: usize, [excites, reflected]: [&[Vec3]; 2]) -> Result<Place> {
+fn place(task: &Task, index: usize, [excites, reflected]: [&[Vec3]; 2]) -> Result<TargetPoint> {
     let wanted = &task.places[index];
     ensure!(
         excites.iter().any(|light| *light != Vec3::ZERO),
@@ -188,7 +189,7 @@ fn place(task: &Task, index: usize, [excites, reflected]: [&[Vec3]; 2]) -> Resul
     let key =
         |key: &task::WantedKey| Some(Key { frame: task.frame(key.time)?, radiance: task.radiance(key) });
     let counts: &[Vec3] = if task.reflected { reflected } else { &[] };
-    Ok(Place {
+    Ok(TargetPoint {
         bands: task.bands,
         dt: 1.0 / f64::from(task.fps),
         irradiance: excites.iter().map(exciting).collect(),

@@ -11,7 +11,7 @@ use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result};
 use deepshade_glow::file::MaterialFile;
-use deepshade_phosphor::fit::{Estimate, Fit, Measurement, Part};
+use deepshade_phosphor::fit::{Fit, Measurement, MeasurementKind, ParameterEstimate};
 use deepshade_render::exr_file;
 use deepshade_shaders::Planes;
 use serde_json::json;
@@ -120,7 +120,7 @@ pub fn run(args: &Args) -> Result<()> {
         write_atomically(path, file.text().as_bytes())?;
     }
     if let Some(path) = &args.plot {
-        write_atomically(path, plots::residuals(&fit, Part::Decay).svg(&name)?.as_bytes())?;
+        write_atomically(path, plots::residuals(&fit, MeasurementKind::Decay).svg(&name)?.as_bytes())?;
     }
     if let Some(path) = &args.report {
         write_atomically(path, report::page(&fit)?.as_bytes())?;
@@ -151,7 +151,7 @@ fn folder_name(folder: &Path) -> String {
     folder.file_name().map_or_else(|| "fitted".to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-fn estimate_detail(estimate: &Estimate) -> serde_json::Value {
+fn estimate_detail(estimate: &ParameterEstimate) -> serde_json::Value {
     json!({
         "state": estimate.state + 1, "parameter": parameter_name(estimate.parameter), "value": estimate.value,
         "interval": estimate.interval,

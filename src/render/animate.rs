@@ -6,10 +6,10 @@ use crate::arguments::check_pixels;
 use crate::complete::listeners;
 use crate::figures::Figures;
 use crate::learned::{self, Learned};
-use crate::live::stage::{Seen, Staged};
-use crate::live::{Live, Wanted};
+use crate::live::animated_view::{AnimatedView, ViewRequest};
+use crate::live::{Live, LiveSettings};
+use crate::location::Location;
 use crate::methods::{self, LEARNED};
-use crate::place::Place;
 use crate::radius;
 use crate::report::images::write_png;
 use anyhow::{Context, Result, bail, ensure};
@@ -20,7 +20,7 @@ use deepshade_render::metrics::{exposed, exposure};
 use deepshade_render::screen::ScreenMethod;
 use deepshade_render::screen::reprojection::ReprojectionParameters;
 use deepshade_render::screen::reprojection::reference::{Two, flicker};
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes, lists};
 use serde_json::json;
@@ -49,7 +49,7 @@ pub struct Sequence {
     quality: Option<Quality>,
     /// Folder or address of the network of the method `learned`; by default models/EFFECT.
     #[arg(long)]
-    model: Option<Place>,
+    model: Option<Location>,
     /// Mixes each image with what the frames before made of the same surfaces.
     #[arg(long)]
     temporal: bool,
@@ -57,7 +57,7 @@ pub struct Sequence {
     #[arg(long, value_parser = RangedU64ValueParser::<u32>::new().range(1..))]
     every: Option<u32>,
     #[command(flatten)]
-    stage: crate::live::stage::Args,
+    motion: crate::live::animated_view::Args,
 }
 
 impl Sequence {
@@ -76,7 +76,7 @@ impl Sequence {
             ("--every", self.every.is_some()),
         ];
         let own = options.into_iter().find_map(|(option, given)| given.then_some(option));
-        own.or_else(|| self.stage.given())
+        own.or_else(|| self.motion.given())
     }
 
     /// The method for an effect.
@@ -90,7 +90,7 @@ impl Sequence {
 const LIGHT: &str = "light";
 
 /// What is shown, and where of a live scene it is.
-struct Shown {
+struct FrameContent {
     effect: Effect,
     /// Direct light is an attribute, other images are a method's.
     attribute: Option<Attribute>,
@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> Result<()> {
     // Direct light is what anti-aliasing shows, too.
     let effect = if direct { Effect::Aa } else { args.effect };
     let (methods, learned) = opened(args, &gpu)?;
-    let seen = Seen {
+    let request = ViewRequest {
         source: &args.scene,
         time: args.time.time(),
         effects: &[effect],
@@ -121,11 +121,11 @@ pub fn run(args: &Args) -> Result<()> {
         seed: args.seed,
         learned: learned.as_ref().and_then(|learned| learned.spec().environment.as_ref()),
     };
-    let staged = sequence.stage.stage(&seen)?;
-    staged.added.iter().for_each(|line| note!("{line}"));
+    let animated_view = sequence.motion.open(&request)?;
+    animated_view.added.iter().for_each(|line| note!("{line}"));
     let reach = learned.as_ref().map(|learned| learned.spec().reach);
-    let radius = radius::wanted(args.radius, reach, &[effect], staged.space());
-    let wanted = Wanted {
+    let radius = radius::wanted(args.radius, reach, &[effect], animated_view.space());
+    let wanted = LiveSettings {
         size,
         methods,
         learned,
@@ -134,18 +134,18 @@ pub fn run(args: &Args) -> Result<()> {
         radius,
         shutter: args.time.shutter(),
     };
-    let mut live = Live::new(&gpu, &staged.animated, &staged.camera, wanted)?;
+    let mut live = Live::new(&gpu, &animated_view.animated, &animated_view.camera, wanted)?;
     // Only now, when nothing but writing can fail any more.
     for frame in earlier_frames(&folder)? {
         std::fs::remove_file(&frame).with_context(|| frame.display().to_string())?;
     }
-    let shown = Shown { effect, attribute: direct.then_some(Attribute::Light) };
-    let report = write_sequence(args, &mut live, &staged, &shown, &folder)?;
+    let shown = FrameContent { effect, attribute: direct.then_some(Attribute::Light) };
+    let report = write_sequence(args, &mut live, &animated_view, &shown, &folder)?;
     let mut figures = Figures::new("render");
     for (name, milliseconds) in &report.passes {
         figures.set(&format!("ms_{}", name.replace('-', "_")), *milliseconds);
     }
-    figures.set("frames", f64::from(sequence.stage.frames()));
+    figures.set("frames", f64::from(sequence.motion.frames()));
     if let Some(flicker) = report.flicker {
         figures.set("flicker", flicker);
     }
@@ -157,7 +157,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("radius_metres", json!(radius));
     figures.detail("temporal", json!(sequence.temporal));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.detail("added", json!(staged.added));
+    figures.detail("added", json!(animated_view.added));
     figures.write(args.json.as_deref())?;
     for (name, milliseconds) in &report.passes {
         say!("{name:<12} {milliseconds:>9.3} ms")?;
@@ -183,17 +183,17 @@ struct Report {
 fn write_sequence(
     args: &Args,
     live: &mut Live,
-    staged: &Staged,
-    shown: &Shown,
+    animated_view: &AnimatedView,
+    shown: &FrameContent,
     folder: &Path,
 ) -> Result<Report> {
-    let (every, frames) = (args.sequence.every.unwrap_or(1), args.sequence.stage.frames());
+    let (every, frames) = (args.sequence.every.unwrap_or(1), args.sequence.motion.frames());
     let bar = progress::bar("frames", frames as usize, 0);
     let mut times: Vec<Vec<f64>> = Vec::new();
     let (mut look, mut before, mut flickers) = (None, None::<(Planes, Planes)>, Vec::new());
     for frame in 0..frames {
-        let time = staged.time(frame, args.time.time());
-        times.extend(live.make(time, args.seed.wrapping_add(frame), &staged.camera(frame))?);
+        let time = animated_view.time(frame, args.time.time());
+        times.extend(live.make(time, args.seed.wrapping_add(frame), &animated_view.camera(frame))?);
         if frame == 0
             && let Some(warning) = live.outside()?
         {
@@ -210,7 +210,7 @@ fn write_sequence(
         if frame % every == 0 {
             write_png(
                 &folder.join(format!("{frame:05}.png")),
-                &white.picture(&image, args.eyes(&staged.camera(frame), frame).as_ref()),
+                &white.picture(&image, args.eyes(&animated_view.camera(frame), frame).as_ref()),
             )?;
         }
         if shown.attribute.is_none() {
@@ -297,7 +297,7 @@ fn check(args: &Args) -> Result<()> {
         args.time.shutter()
     );
     if !light {
-        listeners::check(args.effect, Setting::Radius, &[("--radius", args.radius.is_some())])?;
+        listeners::check(args.effect, EffectSetting::Radius, &[("--radius", args.radius.is_some())])?;
     }
     args.time.check(if light { Effect::Aa } else { args.effect })
 }
@@ -311,7 +311,7 @@ fn opened(args: &Args, gpu: &Gpu) -> Result<Opened> {
     match args.sequence.method(args.effect) {
         LIGHT => Ok((Vec::new(), None)),
         LEARNED => {
-            let usual = || Place::Folder(learned::usual_folder(args.effect));
+            let usual = || Location::Folder(learned::usual_folder(args.effect));
             let folder = model.clone().unwrap_or_else(usual).read()?;
             let model = learned::network(&folder, Some(args.effect))?;
             Ok((Vec::new(), Some(Learned::new(gpu, &model)?)))

@@ -23,7 +23,7 @@ pub const DIFFERENCE_RANGE: f32 = 0.25;
 pub const VIEWS: [&str; 3] = ["image", "difference", "flip"];
 
 /// Truth, and by how much light is scaled before images are scored and shown.
-pub struct Lit<'a> {
+pub struct ExposedTruth<'a> {
     /// What is computed.
     pub effect: Effect,
     /// Truth, `[effect.channels(), height, width]`.
@@ -32,7 +32,7 @@ pub struct Lit<'a> {
     pub exposure: f32,
 }
 
-impl Lit<'_> {
+impl ExposedTruth<'_> {
     /// Scores of an image against it.
     pub fn scores(&self, image: &Planes) -> Scores {
         Scores::new(&exposed(image, self.exposure), &exposed(self.image, self.exposure))
@@ -76,7 +76,7 @@ pub fn write_image(
     folder: &Path,
     file: &str,
     image: &Planes,
-    truth: &Lit<'_>,
+    truth: &ExposedTruth<'_>,
     facts: &Metadata,
 ) -> Result<()> {
     let shown = exposed(image, truth.exposure);

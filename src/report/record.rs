@@ -86,7 +86,7 @@ pub struct ImageRecord {
 
 /// An image that is wanted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wanted {
+pub struct ImageRequest {
     /// What it is made from, as a hash.
     pub key: String,
     /// What its files are called.
@@ -98,14 +98,14 @@ pub struct Wanted {
 impl FrameRecord {
     /// The record in a frame's folder with those images that are wanted and whole; none where truth is
     /// another or not whole.
-    pub fn kept(out: &Path, folder: &str, key: &str, wanted: &[Wanted]) -> Option<Self> {
+    pub fn kept(out: &Path, folder: &str, key: &str, wanted: &[ImageRequest]) -> Option<Self> {
         let folder = out.join(folder);
         let text = std::fs::read_to_string(folder.join(RECORD)).ok()?;
         let mut record: Self = toml::from_str(&text).ok()?;
         if record.key != key || !images::are_there(&folder, TRUTH) {
             return None;
         }
-        let made = |wanted: &Wanted| {
+        let made = |wanted: &ImageRequest| {
             let found =
                 record.images.iter().find(|image| (&image.key, &image.file) == (&wanted.key, &wanted.file));
             let whole = found.filter(|image| images::are_there(&folder, &image.file));
@@ -135,7 +135,7 @@ impl FrameRecord {
     }
 
     /// Whether it has an image.
-    pub fn has(&self, wanted: &Wanted) -> bool {
+    pub fn has(&self, wanted: &ImageRequest) -> bool {
         self.images.iter().any(|image| image.key == wanted.key)
     }
 

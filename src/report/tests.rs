@@ -1,6 +1,6 @@
 //! The report as a whole: what is on the disk, and that the page asks for nothing else.
 
-use super::images::{self, Lit};
+use super::images::{self, ExposedTruth};
 use super::record::{ImageRecord, TRUTH};
 use super::*;
 use crate::figures::Figures;
@@ -43,10 +43,10 @@ fn frame(out: &Path, effect: Effect, name: &str, methods: &[&str]) -> FrameRecor
     let place = out.join(&folder);
     std::fs::create_dir_all(&place).expect("made");
     images::write_truth(&place, effect, &truth, record.exposure, &Metadata::default()).expect("written");
-    let lit = Lit { effect, image: mean, exposure: record.exposure };
+    let exposed = ExposedTruth { effect, image: mean, exposure: record.exposure };
     let images = methods.iter().enumerate().map(|(i, name)| {
         let image = wave(0.3 * (i + 1) as f32);
-        images::write_image(&place, name, &image, &lit, &Metadata::default()).expect("written");
+        images::write_image(&place, name, &image, &exposed, &Metadata::default()).expect("written");
         ImageRecord {
             key: format!("key of {name}"),
             file: (*name).to_owned(),
@@ -55,7 +55,7 @@ fn frame(out: &Path, effect: Effect, name: &str, methods: &[&str]) -> FrameRecor
             milliseconds: 2.5 * (i + 1) as f64,
             clock: Clock::Gpu,
             device: "a card".to_owned(),
-            scores: lit.scores(&image),
+            scores: exposed.scores(&image),
         }
     });
     let frame = FrameRecord {
@@ -132,8 +132,8 @@ fn a_perfect_image_scores_better_than_half_against_half() {
     };
     let truth = truth([noisy(1), noisy(2)]);
     let record = TruthRecord::new(EFFECT, &truth, &nothing(), 0.0);
-    let lit = Lit { effect: EFFECT, image: &truth.estimate.mean, exposure: record.exposure };
-    let perfect = lit.scores(&wave(0.0));
+    let exposed = ExposedTruth { effect: EFFECT, image: &truth.estimate.mean, exposure: record.exposure };
+    let perfect = exposed.scores(&wave(0.0));
     assert!(perfect.ssim > record.noise.ssim && perfect.psnr > record.noise.psnr, "{perfect:?}");
 }
 
@@ -239,23 +239,24 @@ fn a_folder_that_holds_something_else_is_refused_and_left_as_it_is() {
 fn only_images_that_are_wanted_and_whole_are_kept() {
     let folder = tempfile::tempdir().expect("a folder");
     let frame = frame(folder.path(), EFFECT, "one", &["learned", "hbao"]);
-    let wanted: Vec<record::Wanted> = frame
+    let wanted: Vec<record::ImageRequest> = frame
         .images
         .iter()
-        .map(|image| record::Wanted {
+        .map(|image| record::ImageRequest {
             key: image.key.clone(),
             file: image.file.clone(),
             label: "new".to_owned(),
         })
         .collect();
-    let kept =
-        |key: &str, wanted: &[record::Wanted]| FrameRecord::kept(folder.path(), &frame.folder, key, wanted);
+    let kept = |key: &str, wanted: &[record::ImageRequest]| {
+        FrameRecord::kept(folder.path(), &frame.folder, key, wanted)
+    };
     let whole = kept("key", &wanted).expect("truth is there");
     assert_eq!(whole.images.len(), 2);
     assert_eq!(whole.images[0].scores, frame.images[0].scores, "to the last digit");
     assert_eq!((whole.images[0].label.as_str(), &whole.truth), ("new", &frame.truth));
     assert_eq!(kept("another", &wanted), None);
-    let other = [record::Wanted { key: "another".to_owned(), ..wanted[0].clone() }];
+    let other = [record::ImageRequest { key: "another".to_owned(), ..wanted[0].clone() }];
     assert_eq!(kept("key", &other).expect("truth is there").images, []);
     let place = folder.path().join(&frame.folder);
     std::fs::remove_file(place.join("hbao.flip.png")).expect("removed");

@@ -1,6 +1,6 @@
 //! One address of an object store, object by object.
 
-use crate::place::{Address, Kind};
+use crate::location::{Address, Kind};
 use anyhow::{Context, Result, anyhow, bail};
 use object_store::aws::{AmazonS3Builder, Checksum};
 use object_store::azure::MicrosoftAzureBuilder;

@@ -71,7 +71,7 @@ fn each(commit: &Commit, what: &'static str, transfer: impl Fn(&Stored) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::place::Place;
+    use crate::location::Location;
     use object_store::memory::InMemory;
     use std::sync::Arc;
 
@@ -81,7 +81,7 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         std::fs::create_dir(path("made")).expect("made");
         std::fs::write(path("made/a"), "text").expect("written");
-        let Ok(Place::Store(address)) = "s3://bucket/data".parse() else { unreachable!("an address") };
+        let Ok(Location::Store(address)) = "s3://bucket/data".parse() else { unreachable!("an address") };
         let remote = Remote::on(Arc::new(InMemory::new()), &address).expect("a remote");
         let mut list = Commit::of(&path("made")).expect("listed");
         put(&remote, &list, &path("made")).expect("stored");

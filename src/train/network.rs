@@ -4,7 +4,7 @@ use super::{Args, share};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use deepshade_dataset::{Radius, Recipe};
-use deepshade_infer::{ChannelOrder, Estimate, NetSpec, Reach};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
 use deepshade_render::methods::estimate::Estimator;
 use deepshade_shaders::Effect;
 use deepshade_train::{Loss, TrainConfig};
@@ -35,7 +35,7 @@ pub enum Network {
 impl Network {
     /// The one that is nearer to truth.
     pub fn best(effect: Effect) -> Self {
-        let estimate = Estimate { method: String::new(), quality: String::new() };
+        let estimate = AnalyticEstimate { method: String::new(), quality: String::new() };
         let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
         match NetSpec::corrected(effect, CHANNELS, estimate, reach) {
             Some(_) => Self::Corrected,
@@ -51,10 +51,10 @@ pub fn channels(text: &str) -> Result<usize, String> {
 }
 
 /// Reads an estimate.
-pub fn estimate(text: &str) -> Result<Estimate, String> {
+pub fn estimate(text: &str) -> Result<AnalyticEstimate, String> {
     let (method, quality) = text.split_once(':').ok_or_else(|| format!("`{text}` is not METHOD:QUALITY"))?;
     Estimator::named(method, quality).map_err(|error| error.to_string())?;
-    Ok(Estimate { method: method.to_owned(), quality: quality.to_owned() })
+    Ok(AnalyticEstimate { method: method.to_owned(), quality: quality.to_owned() })
 }
 
 /// The default radius of a network of the paper's: the recipe's, where it has one.

@@ -1,14 +1,14 @@
 //! What is trained on: pairs that are there, or a recipe's views as they are rendered.
 
-use super::{Args, words};
+use super::{Args, notes};
 use anyhow::{Result, bail};
 use deepshade_dataset::{Dataset, Recipe};
-use deepshade_train::{Outcome, TrainConfig};
+use deepshade_train::{TrainConfig, TrainingOutcome};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What is trained on.
-pub struct Source {
+pub struct TrainingSource {
     /// What makes the pairs, or has made them.
     pub recipe: Recipe,
     /// The recipe's file, or the dataset's folder.
@@ -24,7 +24,7 @@ struct Pairs {
     warning: Option<String>,
 }
 
-impl Source {
+impl TrainingSource {
     /// What the command line names.
     ///
     /// # Errors
@@ -37,7 +37,7 @@ impl Source {
         let path = dataset.read()?;
         let dataset = Arc::new(Dataset::open(&path)?);
         let recipe = dataset.recipe().clone();
-        let warning = words::held_apart(&dataset.manifest().pairs);
+        let warning = notes::held_apart(&dataset.manifest().pairs);
         Ok(Self { recipe, path, pairs: Some(Pairs { dataset, warning }) })
     }
 
@@ -45,7 +45,7 @@ impl Source {
     pub fn warning(&self, config: &TrainConfig) -> Option<String> {
         match &self.pairs {
             Some(pairs) => pairs.warning.clone(),
-            None => words::held_apart_of_stream(&self.recipe, config.validation_pairs),
+            None => notes::held_apart_of_stream(&self.recipe, config.validation_pairs),
         }
     }
 
@@ -53,7 +53,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`deepshade_train::train_on`] and [`deepshade_train::train_streamed`].
-    pub fn train(&self, config: &TrainConfig, run: &Path) -> Result<Outcome> {
+    pub fn train(&self, config: &TrainConfig, run: &Path) -> Result<TrainingOutcome> {
         Ok(match &self.pairs {
             Some(pairs) => deepshade_train::train_on(config, Arc::clone(&pairs.dataset) as _, run)?,
             None => deepshade_train::train_streamed(config, &self.recipe, run)?,

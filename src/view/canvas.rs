@@ -5,7 +5,7 @@ use super::lights;
 use super::probe;
 use super::state::Arrangement;
 use super::window::Window;
-use super::zoom::{Place, Zoom};
+use super::zoom::{ImageRect, Zoom};
 use deepshade_shaders::Planes;
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui,
@@ -14,7 +14,7 @@ use eframe::egui::{
 use glam::{Vec2, Vec3};
 
 /// An image on the canvas.
-pub struct Shown<'a> {
+pub struct CanvasImage<'a> {
     /// What it is called.
     pub name: &'a str,
     /// Its values.
@@ -25,7 +25,7 @@ pub struct Shown<'a> {
     pub lacks_map: bool,
 }
 
-impl Shown<'_> {
+impl CanvasImage<'_> {
     /// What is said of it in its corner.
     fn title(&self) -> String {
         if self.lacks_map {
@@ -78,7 +78,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         }
         Arrangement::Tiles => {
             let zoom = window.state.look.zoom;
-            let places: Vec<Place> =
+            let places: Vec<ImageRect> =
                 tiles(area, aspect, count).into_iter().map(|place| zoom.place(place)).collect();
             for (place, image) in places.iter().zip(&shown) {
                 picture(ui, *place, place.seen, image);
@@ -122,7 +122,7 @@ fn tiles(area: Rect, aspect: f32, count: usize) -> Vec<Rect> {
 }
 
 /// The part of an image at `place` that lies within `seen`.
-fn picture(ui: &Ui, place: Place, seen: Rect, image: &Shown<'_>) {
+fn picture(ui: &Ui, place: ImageRect, seen: Rect, image: &CanvasImage<'_>) {
     let uv = Rect::from_min_max(place.share(seen.min), place.share(seen.max));
     ui.painter().image(image.texture, seen, uv, Color32::WHITE);
 }
@@ -137,7 +137,7 @@ fn label(ui: &Ui, place: Rect, name: &str) {
 }
 
 /// Images over each other, each from one border to the next.
-fn wipe(ui: &Ui, place: Place, borders: &[f32], shown: &[Shown<'_>]) {
+fn wipe(ui: &Ui, place: ImageRect, borders: &[f32], shown: &[CanvasImage<'_>]) {
     let x = |share: f32| place.seen.left() + share * place.seen.width();
     let begins = std::iter::once(0.0).chain(borders.iter().copied());
     let ends = borders.iter().copied().chain(std::iter::once(1.0));
@@ -184,7 +184,7 @@ fn drag_border(ui: &Ui, response: &Response, place: Rect, window: &mut Window, n
 }
 
 /// Enlarges images as wheel and keys say, and moves what is enlarged. Whether it is moved.
-fn enlarge(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) -> bool {
+fn enlarge(ui: &Ui, response: &Response, places: &[ImageRect], window: &mut Window) -> bool {
     let zoom = &mut window.state.look.zoom;
     let pointer = response.hover_pos().or(response.interact_pointer_pos());
     let under = pointer.and_then(|at| Some((at, *places.iter().find(|place| place.seen.contains(at))?)));
@@ -215,23 +215,23 @@ fn enlarge(ui: &Ui, response: &Response, places: &[Place], window: &mut Window) 
 /// Moves the camera as pointer, wheel and keys say.
 fn steer(ui: &Ui, response: &Response, window: &mut Window) {
     let diagonal = window.results.subject.as_ref().map_or(1.0, |subject| subject.diagonal);
-    let Some(pilot) = window.state.pilot.as_mut() else { return };
+    let Some(controller) = window.state.controller.as_mut() else { return };
     let drag = response.drag_delta() / response.rect.height().max(1.0);
     let drag = Vec2::new(drag.x, drag.y);
     if drag != Vec2::ZERO {
         let shift = ui.input(|input| input.modifiers.shift);
         if response.dragged_by(PointerButton::Middle) {
-            pilot.pan(drag);
+            controller.pan(drag);
         } else if response.dragged_by(PointerButton::Secondary) || shift {
-            pilot.look(TURN * Vec2::new(drag.x, -drag.y));
+            controller.look(TURN * Vec2::new(drag.x, -drag.y));
         } else {
-            pilot.orbit(TURN * Vec2::new(-drag.x, drag.y));
+            controller.orbit(TURN * Vec2::new(-drag.x, drag.y));
         }
     }
     if response.hovered() {
         let wheel = ui.input(|input| input.smooth_scroll_delta.y);
         if wheel != 0.0 {
-            pilot.approach((-wheel / 400.0).exp());
+            controller.approach((-wheel / 400.0).exp());
         }
     }
     if ui.ctx().egui_wants_keyboard_input() {
@@ -244,7 +244,7 @@ fn steer(ui: &Ui, response: &Response, window: &mut Window) {
         (way, SPEED * diagonal * fast * input.stable_dt.min(0.1))
     });
     if way != Vec3::ZERO {
-        pilot.fly(way.normalize() * step);
+        controller.fly(way.normalize() * step);
         ui.ctx().request_repaint();
     }
 }

@@ -5,7 +5,7 @@ use super::catch_panic::catch_panic;
 use super::display_image::{DisplayImage, rgb};
 use super::film::{self, Still};
 use super::layers::{Choice, Opened};
-use super::saved::{self, Moment};
+use super::saved::{self, Snapshot};
 use super::workers::{SendUpdate, Update};
 use crate::output::message;
 use crate::report::images::write_png;
@@ -17,7 +17,7 @@ use std::sync::{Arc, mpsc};
 /// Something to be done with files. Each is answered by one [`Update::File`].
 pub enum FileTask {
     /// Writes what was shown at a moment into a folder.
-    Save(Box<Moment>, PathBuf),
+    Save(Box<Snapshot>, PathBuf),
     /// Writes an image of the window.
     Screenshot(Arc<ColorImage>, PathBuf),
     /// Reads an EXR file.

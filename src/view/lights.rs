@@ -1,7 +1,7 @@
 //! Lights that the user moves: their places and directions as numbers, and as handles on the images.
 
 use super::window::Window;
-use super::zoom::Place;
+use super::zoom::ImageRect;
 use deepshade_render::scene::{Camera, Light};
 use eframe::egui::{
     Color32, DragValue, Id, PointerButton, Pos2, Rect, Response, Slider, SliderClamping, Stroke, Ui, pos2,
@@ -129,11 +129,13 @@ struct Held {
 /// Shows where lights are on the images at `places`, but for those that animations move, and moves the one
 /// that is dragged, as far away as it is, unless the pointer has `held` something else. A sun's handle goes
 /// around what the camera does. Whether the pointer has hold of anything.
-pub fn handles(ui: &Ui, response: &Response, places: &[Place], window: &mut Window, held: bool) -> bool {
-    let (Some(lights), Some(pilot)) = (&mut window.state.lights, window.state.pilot) else { return held };
+pub fn handles(ui: &Ui, response: &Response, places: &[ImageRect], window: &mut Window, held: bool) -> bool {
+    let (Some(lights), Some(controller)) = (&mut window.state.lights, window.state.controller) else {
+        return held;
+    };
     let Some(subject) = &window.results.subject else { return held };
-    let camera = &pilot.camera;
-    let middle = pilot.pivot();
+    let camera = &controller.camera;
+    let middle = controller.pivot();
     let reach = SUN * middle.distance(camera.position);
     let mut seen = Vec::new();
     for (image, place) in places.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! The thread that makes frames: a scene on the GPU and the methods that are wanted. It has a device of its
 //! own, so that the window stays responsive while a frame takes its time, and outlives a device that is lost.
 
-mod picture;
+mod method_frame;
 
 use super::Args;
 use super::catch_panic::catch_panic;
@@ -10,7 +10,7 @@ use super::request_slot::RequestSlot;
 use super::subject::PreparedScene;
 use super::workers::{SendUpdate, Update};
 use crate::learned::{self, Learned};
-use crate::live::{Live, Wanted};
+use crate::live::{Live, LiveSettings};
 use crate::methods::{self, LEARNED, Runs, Setup};
 use crate::output::message;
 use crate::radius;
@@ -28,7 +28,7 @@ use std::fmt::{Display, Formatter};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-pub use picture::{Picture, Request};
+pub use method_frame::{MethodFrame, Request};
 
 /// What is made of every frame; where this changes, the scene goes to the GPU anew.
 #[derive(Clone, PartialEq)]
@@ -112,7 +112,7 @@ struct MethodWorker {
     scene: Option<LiveScene>,
     passes: Vec<Pass>,
     /// The picture that was made last.
-    made: Option<Arc<Picture>>,
+    made: Option<Arc<MethodFrame>>,
 }
 
 /// A scene on the GPU with its methods.
@@ -128,13 +128,13 @@ struct LiveScene {
 }
 
 impl MethodWorker {
-    fn make(&mut self, args: &Args, request: Request, send: SendUpdate<'_>) -> Result<Picture> {
+    fn make(&mut self, args: &Args, request: Request, send: SendUpdate<'_>) -> Result<MethodFrame> {
         if let Some(picture) = self.made.as_ref().and_then(|made| made.exposed(&request)) {
             return Ok(picture);
         }
         let show = &request.show;
         let subject = self.subject(args, show, send)?;
-        let camera = request.camera.unwrap_or(subject.pilot.camera);
+        let camera = request.camera.unwrap_or(subject.controller.camera);
         let kept = self.scene.take().map(|scene| scene.suited_to(show)).transpose()?.flatten();
         let scene = match kept {
             Some(scene) => scene,
@@ -160,7 +160,18 @@ impl MethodWorker {
             inspected.transpose()?.map(|(attribute, values)| DisplayImage::of_attribute(attribute, values));
         let passes = self.passes.iter().cloned().chain(of_processor).collect();
         let radius = scene.radius;
-        Ok(Picture { subject, camera, lights, radius, warning, exposure, images, inspected, passes, request })
+        Ok(MethodFrame {
+            subject,
+            camera,
+            lights,
+            radius,
+            warning,
+            exposure,
+            images,
+            inspected,
+            passes,
+            request,
+        })
     }
 
     /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are
@@ -210,7 +221,7 @@ impl LiveScene {
         }
         let mut live_names: Vec<&'static str> = opened.iter().map(|method| method.name()).collect();
         live_names.extend(learned.as_ref().map(|_| LEARNED));
-        let wanted = Wanted {
+        let wanted = LiveSettings {
             size: show.size,
             methods: opened,
             learned,

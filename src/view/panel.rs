@@ -12,7 +12,7 @@ use super::window::Window;
 use crate::arguments::EDGES;
 use crate::methods::{self, TRUTH};
 use deepshade_render::methods::Quality;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::{Attribute, Effect};
 use eframe::egui::{
     Button, Color32, ComboBox, DragValue, Key, RichText, ScrollArea, Slider, SliderClamping, Ui,
@@ -93,11 +93,11 @@ fn scene(ui: &mut Ui, window: &mut Window) {
         ui.horizontal_wrapped(|ui| {
             for (name, camera) in cameras {
                 if ui.button(name).on_hover_text("look through this camera of the scene").clicked()
-                    && let Some(pilot) = &mut window.state.pilot
+                    && let Some(controller) = &mut window.state.controller
                 {
-                    pilot.camera.position = camera.position;
-                    pilot.camera.rotation = camera.rotation;
-                    pilot.camera.vertical_fov = camera.vertical_fov;
+                    controller.camera.position = camera.position;
+                    controller.camera.rotation = camera.rotation;
+                    controller.camera.vertical_fov = camera.vertical_fov;
                 }
             }
         });
@@ -105,7 +105,7 @@ fn scene(ui: &mut Ui, window: &mut Window) {
     ui.horizontal_wrapped(|ui| {
         let hint = "the camera where it was when the scene was opened";
         if ui.button("back to the first view").on_hover_text(hint).clicked() {
-            window.state.pilot = Some(subject.pilot);
+            window.state.controller = Some(subject.controller);
         }
         let hint = "every image, and a comparison that makes them without a window";
         if ui.button("save").on_hover_text(hint).clicked() {
@@ -179,7 +179,7 @@ fn effect(ui: &mut Ui, window: &mut Window) {
     let hint = "less noise, by what of frames before is seen again; it follows what moves late";
     ui.checkbox(&mut show.temporal, "mixed with frames before").on_hover_text(hint);
     let (Some(picture), Some(subject)) = (&window.results.picture, &window.results.subject) else { return };
-    if wanted.listens_to(Setting::Radius) {
+    if wanted.listens_to(EffectSetting::Radius) {
         let mut radius = state.show.radius.unwrap_or(picture.radius);
         ui.horizontal_wrapped(|ui| {
             let range = 1e-3 * subject.diagonal..=subject.diagonal;

@@ -1,7 +1,7 @@
 //! The values of the pixel under the pointer.
 
-use super::canvas::Shown;
-use super::zoom::Place;
+use super::canvas::CanvasImage;
+use super::zoom::ImageRect;
 use deepshade_shaders::Planes;
 use eframe::egui::{Color32, FontId, Rect, Response, Ui, vec2};
 
@@ -9,7 +9,7 @@ use eframe::egui::{Color32, FontId, Rect, Response, Ui, vec2};
 const DIGITS: i32 = 4;
 
 /// Says the values of the pixel under the pointer: of all images, or of one.
-pub fn show(ui: &Ui, response: &Response, place: Place, shown: &[Shown<'_>], only: Option<usize>) {
+pub fn show(ui: &Ui, response: &Response, place: ImageRect, shown: &[CanvasImage<'_>], only: Option<usize>) {
     let Some(at) = response.hover_pos().filter(|at| place.seen.contains(*at)) else { return };
     let share = place.share(at);
     let mut lines = Vec::new();

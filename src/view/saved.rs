@@ -3,13 +3,13 @@
 
 use super::Args;
 use super::display_image::{DisplayImage, rgb};
-use super::method_worker::{Picture, Show};
+use super::method_worker::{MethodFrame, Show};
 use super::window::Window;
-use crate::compare::{Comparison, MethodChoice, Run};
+use crate::compare::{Comparison, ComparisonRun, MethodChoice};
 use crate::complete::{Additions, LAMP_ADDED};
 use crate::figures::write_atomically;
+use crate::location::Location;
 use crate::methods::{LEARNED, TRUTH};
-use crate::place::Place;
 use crate::report::images::write_png;
 use crate::views::{self, Viewpoint};
 use crate::{exposure_time, learned, samples};
@@ -18,7 +18,7 @@ use deepshade_dataset::Radius;
 use deepshade_dataset::recipe::Resolution;
 use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::scene::{Camera, Lens};
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,17 +31,17 @@ const UPRIGHT: f32 = 1e-4;
 const GBUFFER: &str = "gbuffer.exr";
 
 /// What a window shows at a moment, and how it came to be.
-pub struct Moment {
-    picture: Arc<Picture>,
+pub struct Snapshot {
+    picture: Arc<MethodFrame>,
     truth: Option<DisplayImage>,
     /// Samples at which truth rests.
     samples: u32,
     /// Where the network that the user has chosen is from.
-    model: Option<Place>,
+    model: Option<Location>,
     args: Arc<Args>,
 }
 
-impl Moment {
+impl Snapshot {
     /// Now, once there is a picture.
     pub fn of(window: &Window) -> Option<Self> {
         let picture = Arc::clone(window.results.picture.as_ref()?);
@@ -69,7 +69,7 @@ pub fn free(folder: &Path, name: &str, ending: &str) -> PathBuf {
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
+pub fn save(moment: &Snapshot, folder: &Path) -> Result<()> {
     let picture = &moment.picture;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     // Before the images: what cannot be said again leaves none.
@@ -95,7 +95,7 @@ pub fn save(moment: &Moment, folder: &Path) -> Result<()> {
 }
 
 /// What the comparison's file is for, and what of the window it cannot say.
-fn head(picture: &Picture, folder: &Path) -> String {
+fn head(picture: &MethodFrame, folder: &Path) -> String {
     let place = folder.join(COMPARISON);
     let mut lines = vec![
         "What a window showed; without it:".to_owned(),
@@ -123,7 +123,7 @@ fn head(picture: &Picture, folder: &Path) -> String {
             picture.camera.vertical_fov.to_degrees()
         ));
     }
-    let (first, added) = (picture.subject.pilot.camera, &picture.subject.added);
+    let (first, added) = (picture.subject.controller.camera, &picture.subject.added);
     let has_moved = (first.position, first.rotation) != (picture.camera.position, picture.camera.rotation);
     let lamp = added.iter().find(|line| line.starts_with(LAMP_ADDED));
     if let Some(lamp) = lamp.filter(|_| has_moved) {
@@ -142,7 +142,7 @@ fn is_of_run(show: &Show) -> bool {
 
 /// How a comparison says from where the picture is seen, and the camera that it has then: one of the file's,
 /// if it is that, whose angle of view and inclination cannot be said otherwise.
-fn view(picture: &Picture) -> (Viewpoint, Camera) {
+fn view(picture: &MethodFrame) -> (Viewpoint, Camera) {
     let camera = picture.camera;
     let pinhole = |camera: &Camera| Camera { lens: None, ..*camera };
     let cameras = &picture.subject.animated.scene.cameras;
@@ -163,15 +163,15 @@ fn choice(show: &Show, name: &str) -> MethodChoice {
 
 /// The comparison that makes what is shown: with all that the window has chosen by its first view, which is
 /// another one here.
-fn comparison(moment: &Moment) -> Result<Comparison> {
-    let Moment { picture, samples, model, args, .. } = moment;
+fn comparison(moment: &Snapshot) -> Result<Comparison> {
+    let Snapshot { picture, samples, model, args, .. } = moment;
     let show = &picture.request.show;
     let effect = show.effect;
     let [height, width] = show.size;
     let put = args.props.all().to_vec();
     let methods = show.methods.iter().map(|name| choice(show, name));
-    let network = || model.clone().unwrap_or_else(|| Place::Folder(learned::usual_folder(effect)));
-    let run = Run {
+    let network = || model.clone().unwrap_or_else(|| Location::Folder(learned::usual_folder(effect)));
+    let run = ComparisonRun {
         scenes: Some(vec![show.source.clone()]),
         effects: Some(vec![effect]),
         methods: Some(methods.chain([MethodChoice::named(TRUTH)]).collect()),
@@ -179,10 +179,10 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
         model: show.methods.contains(&LEARNED).then(network),
         put: (!put.is_empty()).then_some(put),
         resolution: Some(Resolution { height, width }),
-        radius: effect.listens_to(Setting::Radius).then_some(Radius::Metres(picture.radius)),
-        ..Run::default()
+        radius: effect.listens_to(EffectSetting::Radius).then_some(Radius::Metres(picture.radius)),
+        ..ComparisonRun::default()
     };
-    let shutter = effect.listens_to(Setting::Shutter).then(|| args.shutter());
+    let shutter = effect.listens_to(EffectSetting::Shutter).then(|| args.shutter());
     let run = run.with_options(
         &additions(picture, args),
         &views::Args::one(view(picture).0, args.seed),
@@ -193,15 +193,17 @@ fn comparison(moment: &Moment) -> Result<Comparison> {
 }
 
 /// What the command line gives the scene, with the lens and the mean free path that were added.
-fn additions(picture: &Picture, args: &Args) -> Additions {
+fn additions(picture: &MethodFrame, args: &Args) -> Additions {
     let effect = picture.request.show.effect;
     let mut additions = args.additions.heard_by(effect);
-    if let Some(Lens { radius, focus }) = picture.camera.lens.filter(|_| effect.listens_to(Setting::Lens)) {
+    if let Some(Lens { radius, focus }) =
+        picture.camera.lens.filter(|_| effect.listens_to(EffectSetting::Lens))
+    {
         (additions.aperture, additions.focus) = (Some(radius), Some(focus));
     }
     // Where materials differ they are the scene's own.
     let mut metres = picture.subject.animated.scene.materials.iter().map(|material| material.mean_free_path);
-    if let Some(first) = metres.next().filter(|_| effect.listens_to(Setting::MeanFreePath))
+    if let Some(first) = metres.next().filter(|_| effect.listens_to(EffectSetting::MeanFreePath))
         && first != Vec3::ZERO
         && metres.all(|other| other == first)
     {

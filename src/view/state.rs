@@ -2,30 +2,30 @@
 
 mod look;
 mod networks;
-mod stated;
+mod user_choices;
 
 use super::Args;
 use super::method_worker::Show;
 use crate::learned;
-use crate::live::pilot::Pilot;
+use crate::live::camera_controller::CameraController;
+use crate::location::Location;
 use crate::methods::{self, LEARNED, TRUTH};
-use crate::place::Place;
 use anyhow::Result;
 use deepshade_render::methods::dials::{Changes, Dial};
 use deepshade_render::scene::{Light, SceneSource};
 use deepshade_shaders::Effect;
 pub use look::{Arrangement, Look, Map};
 #[cfg(feature = "train")]
-use networks::Promised;
-use stated::{Stated, first_methods, is_network};
+use networks::ExpectedNetwork;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use user_choices::{UserChoices, first_methods, is_network};
 
 /// A scene that was shown, to come back to where another one cannot be read.
 struct Before {
     source: SceneSource,
-    pilot: Option<Pilot>,
+    controller: Option<CameraController>,
     lights: Option<Vec<Light>>,
     time: f32,
 }
@@ -37,7 +37,7 @@ pub struct State {
     /// What is made of every frame.
     pub show: Show,
     /// The camera, once the scene was read.
-    pub pilot: Option<Pilot>,
+    pub controller: Option<CameraController>,
     /// The lights, once the scene was read.
     pub lights: Option<Vec<Light>>,
     /// The moment of animations, seconds.
@@ -53,7 +53,7 @@ pub struct State {
     /// Frames a second of films.
     pub film_rate: f32,
     /// Methods and a radius that stay when another effect is shown.
-    stated: Stated,
+    stated: UserChoices,
     /// Folders of networks that the user has chosen, by what they compute.
     networks: HashMap<Effect, PathBuf>,
     /// Whether the method `learned` is to be shown as soon as there are weights.
@@ -61,7 +61,7 @@ pub struct State {
     awaits_network: bool,
     /// The network that a training under way is to make.
     #[cfg(feature = "train")]
-    promised: Option<Promised>,
+    promised: Option<ExpectedNetwork>,
     /// How long films are where time has no end, seconds.
     pub film_seconds: f32,
     before: Option<Before>,
@@ -77,8 +77,8 @@ impl State {
     pub fn new(args: &Args) -> Result<Self> {
         let chosen = chosen_methods(args.effect, &args.methods)?;
         let none_wanted = args.methods.is_empty();
-        let model = args.model.as_ref().map(Place::read).transpose()?;
-        let mut stated = Stated::default();
+        let model = args.model.as_ref().map(Location::read).transpose()?;
+        let mut stated = UserChoices::default();
         stated.state_radius(args.radius);
         if !none_wanted {
             stated.state_methods(args.effect, &chosen);
@@ -109,7 +109,7 @@ impl State {
         Ok(Self {
             args: Arc::new(args.clone()),
             show,
-            pilot: None,
+            controller: None,
             lights: None,
             time: args.time,
             playing: false,
@@ -137,18 +137,18 @@ impl State {
             return;
         }
         let left = std::mem::replace(&mut self.show.source, source);
-        let (pilot, lights) = (self.pilot.take(), self.lights.take());
+        let (controller, lights) = (self.controller.take(), self.lights.take());
         if was_read {
-            self.before = Some(Before { source: left, pilot, lights, time: self.time });
+            self.before = Some(Before { source: left, controller, lights, time: self.time });
         }
         self.time = 0.0;
     }
 
     /// Shows the scene before this one as it was left. Whether there was one.
     pub fn go_back(&mut self) -> bool {
-        let Some(Before { source, pilot, lights, time }) = self.before.take() else { return false };
+        let Some(Before { source, controller, lights, time }) = self.before.take() else { return false };
         self.show.source = source;
-        (self.pilot, self.lights, self.time) = (pilot, lights, time);
+        (self.controller, self.lights, self.time) = (controller, lights, time);
         true
     }
 

@@ -2,9 +2,9 @@
 
 use super::Args;
 use crate::learned;
-use crate::live::pilot::Pilot;
-use crate::live::stage::{self, Seen};
-use crate::place::Place;
+use crate::live::animated_view::{self, ViewRequest};
+use crate::live::camera_controller::CameraController;
+use crate::location::Location;
 use crate::radius::Space;
 use crate::views::Viewpoint;
 use anyhow::Result;
@@ -12,7 +12,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::past;
 use deepshade_render::scene::{AnimatedScene, Glow, Light, Scene, SceneSource};
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::Setting;
+use deepshade_shaders::effect::EffectSetting;
 use glam::Vec3;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -25,7 +25,7 @@ pub struct PreparedScene {
     /// The scene.
     pub animated: AnimatedScene,
     /// From where it is seen first.
-    pub pilot: Pilot,
+    pub controller: CameraController,
     /// What was added to the scene, a sentence each.
     pub added: Vec<String>,
     /// Diagonal of the scene, metres.
@@ -50,11 +50,11 @@ impl PreparedScene {
         let elsewhere = Viewpoint::default();
         let viewpoint = if *source == args.scene { &args.viewpoint } else { &elsewhere };
         let stated = match &args.model {
-            Some(Place::Folder(folder)) => learned::environment(folder, effect),
+            Some(Location::Folder(folder)) => learned::environment(folder, effect),
             _ => None,
         };
         let learned = stated.or_else(|| learned::environment(&learned::usual_folder(effect), effect));
-        let seen = Seen {
+        let request = ViewRequest {
             source,
             time: args.time,
             effects: &[effect],
@@ -65,18 +65,18 @@ impl PreparedScene {
             seed: args.seed,
             learned: learned.as_ref(),
         };
-        let staged = stage::Args::default().stage(&seen)?;
-        let space = staged.space();
+        let animated_view = animated_view::Args::default().open(&request)?;
+        let space = animated_view.space();
         Ok(Self {
             source: source.clone(),
             effect,
-            pilot: Pilot::new(staged.camera, staged.distance()),
-            added: staged.added,
-            diagonal: staged.diagonal,
+            controller: CameraController::new(animated_view.camera, animated_view.distance()),
+            added: animated_view.added,
+            diagonal: animated_view.diagonal,
             space,
-            rigged: rigged(&staged.animated),
-            animated: staged.animated,
-            shutter: if effect.listens_to(Setting::Shutter) { args.shutter() } else { 0.0 },
+            rigged: rigged(&animated_view.animated),
+            animated: animated_view.animated,
+            shutter: if effect.listens_to(EffectSetting::Shutter) { args.shutter() } else { 0.0 },
             traced: Mutex::new(None),
         })
     }
@@ -185,7 +185,7 @@ mod tests {
             let scene = &subject.animated.scene;
             assert_eq!(scene.medium.is_some(), effect == Effect::FogDirect, "{effect}");
             let looks_through = matches!(effect, Effect::FogDirect | Effect::Dof);
-            let lens = subject.pilot.camera.lens.map(|lens| lens.radius);
+            let lens = subject.controller.camera.lens.map(|lens| lens.radius);
             assert_eq!(lens, looks_through.then_some(0.01), "{effect}");
         }
     }

@@ -56,7 +56,7 @@ impl Opened {
         let place = folder.path().to_owned();
         let show = move |ui: &mut egui::Ui, window: &mut Option<Window>| {
             let window = window.get_or_insert_with(|| {
-                let outcome = Arc::new(Mutex::new(Outcome::new()));
+                let outcome = Arc::new(Mutex::new(WindowFigures::new()));
                 let state = state.take().expect("opened once");
                 let mut window = open(state, outcome, ui.ctx()).expect("workers");
                 window.files.folder.clone_from(&place);
@@ -225,7 +225,7 @@ fn keys_do_what_they_are_said_to_do() {
     opened.harness.run_steps(2);
     let state = &opened.window().state;
     assert!(state.look.map == state::Map::Difference && !state.truth);
-    let (before, middle) = (state.pilot, egui::pos2(800.0, 800.0));
+    let (before, middle) = (state.controller, egui::pos2(800.0, 800.0));
     opened.wait("the screenshot", Window::is_idle);
     assert!(opened.path("window-1.png").is_file());
     opened.harness.drag_at(middle);
@@ -234,7 +234,7 @@ fn keys_do_what_they_are_said_to_do() {
     opened.harness.step();
     opened.harness.drop_at(middle + egui::vec2(60.0, 10.0));
     opened.harness.step();
-    assert!(opened.window().state.pilot != before, "the camera has moved");
+    assert!(opened.window().state.controller != before, "the camera has moved");
     opened.wait_until_complete();
 }
 

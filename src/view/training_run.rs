@@ -68,7 +68,7 @@ impl TrainingRun {
 pub fn run(requests: &RequestSlot<Option<PathBuf>>, send: SendUpdate<'_>) {
     while let Some(request) = requests.take() {
         let Some(folder) = request else { continue };
-        let mut follower = RunFollower { folder, seen: Seen::default(), checkpoint: None, told: None };
+        let mut follower = RunFollower { folder, seen: FileStamps::default(), checkpoint: None, told: None };
         while !requests.fills_within(EVERY) {
             follower.look(send);
         }
@@ -86,7 +86,7 @@ fn stamp(path: &Path) -> Stamp {
 
 /// States of the files that were looked at last.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
-struct Seen {
+struct FileStamps {
     log: Stamp,
     checkpoint: Stamp,
     is_taken: bool,
@@ -95,7 +95,7 @@ struct Seen {
 /// Follows a run.
 struct RunFollower {
     folder: PathBuf,
-    seen: Seen,
+    seen: FileStamps,
     checkpoint: Option<(Progress, Trained)>,
     /// What was said last of files that cannot be read, so that it is said once.
     told: Option<String>,
@@ -107,7 +107,7 @@ impl RunFollower {
         if !is_run(&self.folder) {
             return;
         }
-        let now = Seen {
+        let now = FileStamps {
             log: stamp(&self.folder.join(METRICS_FILE)),
             checkpoint: stamp(&self.folder.join(CHECKPOINT_FILE)),
             is_taken: is_taken(&self.folder),
@@ -206,7 +206,7 @@ mod tests {
         };
         let place = folder.path().to_owned();
         let mut follower =
-            RunFollower { folder: place.clone(), seen: Seen::default(), checkpoint: None, told: None };
+            RunFollower { folder: place.clone(), seen: FileStamps::default(), checkpoint: None, told: None };
         // It is no run yet.
         follower.look(&send);
         let (_, trained) = training(0, false).checkpoint.expect("some");

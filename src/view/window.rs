@@ -14,13 +14,13 @@ use super::canvas;
 use super::display_image::DisplayImage;
 use super::film::Recording;
 use super::layers::FileLayers;
-use super::method_worker::Picture;
+use super::method_worker::MethodFrame;
 use super::metrics::{self, Metrics};
-use super::outcome::Outcome;
 use super::panel;
 use super::state::{Map, State};
 use super::subject::PreparedScene;
 use super::truth::Truth;
+use super::window_figures::WindowFigures;
 use super::workers::Workers;
 use crate::methods::TRUTH;
 use deepshade_render::metrics::Scores;
@@ -57,7 +57,7 @@ pub struct Window {
     /// The image that the command line wants.
     screenshot: Option<Screenshot>,
     pub(super) workers: Workers,
-    outcome: Arc<Mutex<Outcome>>,
+    outcome: Arc<Mutex<WindowFigures>>,
 }
 
 /// What was made of the user's choices.
@@ -66,7 +66,7 @@ pub struct Results {
     /// The scene.
     pub subject: Option<Arc<PreparedScene>>,
     /// The newest picture.
-    pub picture: Option<Arc<Picture>>,
+    pub picture: Option<Arc<MethodFrame>>,
     /// The newest truth, of whatever.
     pub truth: Option<Truth>,
     /// The newest figures, of whatever.
@@ -83,7 +83,7 @@ impl Window {
         state: State,
         workers: Workers,
         screenshot: Option<Screenshot>,
-        outcome: Arc<Mutex<Outcome>>,
+        outcome: Arc<Mutex<WindowFigures>>,
     ) -> Self {
         Self {
             state,
@@ -125,10 +125,10 @@ impl Window {
         let context = ui.ctx().clone();
         let dropped = context.input(|input| input.raw.dropped_files.clone());
         dropped.iter().for_each(|file| self.open(file.path()));
-        let before = (self.state.pilot, self.state.time, self.state.lights.clone());
+        let before = (self.state.controller, self.state.time, self.state.lights.clone());
         Panel::left("choices").default_size(290.0).show(ui, |ui| panel::show(ui, self));
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| canvas::show(ui, self));
-        if before != (self.state.pilot, self.state.time, self.state.lights.clone()) {
+        if before != (self.state.controller, self.state.time, self.state.lights.clone()) {
             self.requests.moved = Some(Instant::now());
             context.request_repaint();
         }
@@ -187,7 +187,7 @@ impl Window {
         self.results.textures.retain(|(_, map), _| *map == Map::Image);
     }
 
-    fn outcome(&self) -> MutexGuard<'_, Outcome> {
+    fn outcome(&self) -> MutexGuard<'_, WindowFigures> {
         self.outcome.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Args;
 use super::file_worker::{self, FileResult, FileTask};
-use super::method_worker::{self, Picture};
+use super::method_worker::{self, MethodFrame};
 use super::metrics::{self, Metrics};
 use super::request_slot::RequestSlot;
 use super::subject::PreparedScene;
@@ -23,7 +23,7 @@ pub enum Update {
     /// Another scene was read.
     PreparedScene(Arc<PreparedScene>),
     /// A frame was made.
-    Picture(Arc<Picture>),
+    Picture(Arc<MethodFrame>),
     /// Truth has more samples.
     Truth(Truth),
     /// Images were measured.

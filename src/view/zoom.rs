@@ -16,7 +16,7 @@ pub struct Zoom {
 
 /// Where an image lies in the window.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct ImageRect {
     /// Where it is seen, in part or as a whole.
     pub seen: Rect,
     /// Where all of it would lie.
@@ -36,14 +36,14 @@ impl Zoom {
     }
 
     /// Where an image lies that is seen in a part of the window.
-    pub fn place(self, seen: Rect) -> Place {
+    pub fn place(self, seen: Rect) -> ImageRect {
         let size = seen.size() * self.factor;
         let corner = seen.center() - egui::vec2(self.centre.x * size.x, self.centre.y * size.y);
-        Place { seen, whole: Rect::from_min_size(corner, size) }
+        ImageRect { seen, whole: Rect::from_min_size(corner, size) }
     }
 
     /// Enlarges by a factor, and leaves what is under the pointer where it is.
-    pub fn about(&mut self, place: Place, pointer: Pos2, factor: f32) {
+    pub fn about(&mut self, place: ImageRect, pointer: Pos2, factor: f32) {
         if factor == 1.0 {
             return;
         }
@@ -56,7 +56,7 @@ impl Zoom {
     }
 
     /// Moves the image by points of the window.
-    pub fn pan(&mut self, place: Place, by: egui::Vec2) {
+    pub fn pan(&mut self, place: ImageRect, by: egui::Vec2) {
         self.centre -= Vec2::new(by.x / place.whole.width(), by.y / place.whole.height());
         self.fill();
     }
@@ -68,7 +68,7 @@ impl Zoom {
     }
 }
 
-impl Place {
+impl ImageRect {
     /// Which part of the image is at a place of the window, as shares of its width and height.
     pub fn share(self, at: Pos2) -> Pos2 {
         let from = at - self.whole.min;

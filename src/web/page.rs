@@ -1,8 +1,8 @@
 //! What the page's script asks for: `Page` is the device with what is shown.
 
 use super::canvas::{Canvas, Drawing};
-use super::showing::{Showing, Wish, scores};
-use crate::live::pilot::Pilot;
+use super::shown_scene::{PageRequest, ShownScene, scores};
+use crate::live::camera_controller::CameraController;
 use crate::methods::{self, LEARNED, TRUTH};
 use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
@@ -23,16 +23,16 @@ use web_sys::HtmlCanvasElement;
 pub struct Page {
     gpu: Gpu,
     canvas: Canvas,
-    shown: Option<Shown>,
+    shown: Option<PageState>,
     /// What the device found wrong and nobody was told yet.
     wrong: Arc<Mutex<Vec<String>>>,
 }
 
 /// What is shown.
-struct Shown {
-    wish: Wish,
-    showing: Showing,
-    pilot: Pilot,
+struct PageState {
+    wish: PageRequest,
+    shown_scene: ShownScene,
+    controller: CameraController,
     exposure: Exposure,
     /// Truth, and where the device has it.
     truth: Option<(Planes, wgpu::Buffer)>,
@@ -113,32 +113,33 @@ impl Page {
         Ok(told)
     }
 
-    async fn prepared(&self, wish: &str, model: Option<(Vec<u8>, Vec<u8>)>) -> Result<(Shown, String)> {
-        let wish: Wish = serde_json::from_str(wish)?;
+    async fn prepared(&self, wish: &str, model: Option<(Vec<u8>, Vec<u8>)>) -> Result<(PageState, String)> {
+        let wish: PageRequest = serde_json::from_str(wish)?;
         let model = model.map(|(spec, weights)| Model::from_bytes(Path::new(LEARNED), &spec, weights));
-        let mut showing = Showing::new(&self.gpu, &wish, model.transpose()?.as_ref())?;
-        let pilot = Pilot::new(showing.staged.camera, showing.staged.distance());
-        showing.make(0.0, &pilot.camera).await?;
-        let first = showing.live.image_async(0).await?;
+        let mut shown_scene = ShownScene::new(&self.gpu, &wish, model.transpose()?.as_ref())?;
+        let controller =
+            CameraController::new(shown_scene.animated_view.camera, shown_scene.animated_view.distance());
+        shown_scene.make(0.0, &controller.camera).await?;
+        let first = shown_scene.live.image_async(0).await?;
         let exposure = Exposure::new(wish.effect, &first, None);
-        let animated = &showing.staged.animated;
+        let animated = &shown_scene.animated_view.animated;
         let told = json!({
-            "methods": showing.names,
-            "passes": showing.live.passes(),
-            "added": showing.staged.added,
-            "radius": showing.radius,
+            "methods": shown_scene.names,
+            "passes": shown_scene.live.passes(),
+            "added": shown_scene.animated_view.added,
+            "radius": shown_scene.radius,
             "triangles": animated.scene.triangle_count(),
             "goes_on": animated.span().is_some() || animated.scene.glow.is_some(),
             "exposure": exposure.to_string(),
         });
-        Ok((Shown { wish, showing, pilot, exposure, truth: None, time: 0.0 }, told.to_string()))
+        Ok((PageState { wish, shown_scene, controller, exposure, truth: None, time: 0.0 }, told.to_string()))
     }
 
     /// Goes around what is looked at by angles, radians, and nearer to it by a factor.
     pub fn orbit(&mut self, right: f32, up: f32, nearer: f32) {
         let Some(shown) = &mut self.shown else { return };
-        shown.pilot.orbit(Vec2::new(right, up));
-        shown.pilot.approach(nearer);
+        shown.controller.orbit(Vec2::new(right, up));
+        shown.controller.approach(nearer);
         shown.truth = None;
     }
 
@@ -152,7 +153,7 @@ impl Page {
         if time != shown.time {
             (shown.time, shown.truth) = (time, None);
         }
-        let times = said(shown.showing.make(time, &shown.pilot.camera).await)?;
+        let times = said(shown.shown_scene.make(time, &shown.controller.camera).await)?;
         Ok(json!(times).to_string())
     }
 
@@ -187,18 +188,19 @@ impl Page {
     /// If nothing is shown.
     pub fn sight(&self) -> Result<String, JsError> {
         let shown = said(self.shown.as_ref().context("nothing is shown"))?;
-        let (wish, radius, time) = (&shown.wish, shown.showing.radius, shown.time);
-        Ok(json!({ "wish": wish, "camera": shown.pilot.camera, "radius": radius, "time": time }).to_string())
+        let (wish, radius, time) = (&shown.wish, shown.shown_scene.radius, shown.time);
+        Ok(json!({ "wish": wish, "camera": shown.controller.camera, "radius": radius, "time": time })
+            .to_string())
     }
 
     /// Takes truth, `[channels, height, width]`, and gives every method's scores against it, as JSON.
     ///
     /// # Errors
     /// If it is of another size, or the device fails.
-    pub async fn judge(&mut self, truth: Vec<f32>) -> Result<String, JsError> {
+    pub async fn score(&mut self, truth: Vec<f32>) -> Result<String, JsError> {
         let gpu = self.gpu.clone();
         let shown = said(self.shown.as_mut().context("nothing is shown"))?;
-        said(shown.judge(&gpu, truth).await)
+        said(shown.score(&gpu, truth).await)
     }
 }
 
@@ -209,30 +211,30 @@ async fn opened(canvas: HtmlCanvasElement) -> Result<(Gpu, Canvas)> {
     Ok((gpu, canvas))
 }
 
-impl Shown {
+impl PageState {
     fn index(&self, name: &str) -> Option<usize> {
-        self.showing.names.iter().position(|known| *known == name)
+        self.shown_scene.names.iter().position(|known| *known == name)
     }
 
     fn buffer(&self, name: &str) -> Option<&wgpu::Buffer> {
         match &self.truth {
             Some((_, buffer)) if name == TRUTH => Some(buffer),
-            _ => self.index(name).map(|index| self.showing.live.output(index)),
+            _ => self.index(name).map(|index| self.shown_scene.live.output(index)),
         }
     }
 
     async fn image(&self, name: &str) -> Result<Planes> {
         let index = self.index(name).with_context(|| format!("no method `{name}` is shown"))?;
-        self.showing.live.image_async(index).await
+        self.shown_scene.live.image_async(index).await
     }
 
-    async fn judge(&mut self, gpu: &Gpu, truth: Vec<f32>) -> Result<String> {
+    async fn score(&mut self, gpu: &Gpu, truth: Vec<f32>) -> Result<String> {
         let ([height, width], channels) = (self.wish.size, self.wish.effect.channels());
         anyhow::ensure!(truth.len() == channels * height * width, "truth of another size");
         let buffer = gpu::storage(&gpu.device, "web.truth", &truth)?;
         let truth = Planes::from_data(channels, height, width, truth);
         let mut all = serde_json::Map::new();
-        for name in &self.showing.names {
+        for name in &self.shown_scene.names {
             let image = self.image(name).await?;
             all.insert((*name).to_owned(), json!(scores(self.wish.effect, &image, &truth)));
         }

@@ -1,7 +1,7 @@
 //! Truth, refined on a thread of the browser's own, so that the page goes on.
 
 use super::page::said;
-use super::showing::{Sight, Wish};
+use super::shown_scene::{PageRequest, TracedView};
 use anyhow::Result;
 use deepshade_render::path::{Estimate, Taken};
 use deepshade_render::scene::Camera;
@@ -12,7 +12,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 /// What truth is of, as the page says it.
 #[derive(Deserialize)]
 struct Asked {
-    wish: Wish,
+    wish: PageRequest,
     camera: Camera,
     radius: f32,
     time: f32,
@@ -21,7 +21,7 @@ struct Asked {
 /// Truth that is being refined.
 #[wasm_bindgen]
 pub struct Truth {
-    sight: Sight,
+    traced_view: TracedView,
     camera: Camera,
     taken: Option<Taken>,
 }
@@ -36,7 +36,11 @@ impl Truth {
     pub fn new(asked: &str) -> Result<Self, JsError> {
         let open = || -> Result<Self> {
             let Asked { wish, camera, radius, time } = serde_json::from_str(asked)?;
-            Ok(Self { sight: Sight::new(&wish, &wish.stage()?, time, radius)?, camera, taken: None })
+            Ok(Self {
+                traced_view: TracedView::new(&wish, &wish.open()?, time, radius)?,
+                camera,
+                taken: None,
+            })
         };
         said(open())
     }
@@ -44,7 +48,7 @@ impl Truth {
     /// Takes so many more samples of each of eight scramblings, and gives the image so far,
     /// `[channels, height, width]`.
     pub fn refine(&mut self, count: u32) -> Vec<f32> {
-        let (Estimate { mean, .. }, taken) = self.sight.refine(&self.camera, self.taken.take(), count);
+        let (Estimate { mean, .. }, taken) = self.traced_view.refine(&self.camera, self.taken.take(), count);
         self.taken = Some(taken);
         mean.data().to_vec()
     }

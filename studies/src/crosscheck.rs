@@ -23,7 +23,7 @@ mod export;
 mod files;
 mod lambert;
 mod pictures;
-mod settings;
+mod scenes;
 mod stills;
 
 use agreement::Agreement;
@@ -33,7 +33,7 @@ use clap::builder::RangedU64ValueParser;
 use deepshade::shared::figures::Figures;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::path::{Footprint, Sampling, Shot, render};
-use settings::Setting;
+use scenes::CrosscheckScene;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -75,17 +75,17 @@ pub struct Args {
 /// A case that can be rendered, and where its files are.
 struct Job {
     case: &'static Case,
-    setting: Setting,
+    setting: CrosscheckScene,
     folder: PathBuf,
 }
 
 /// What came of a case.
-struct Outcome {
+struct CaseOutcome {
     case: &'static Case,
     agreement: Agreement,
 }
 
-impl Outcome {
+impl CaseOutcome {
     /// Whether the two renderers agree where they should, and a fault is found where one was put in.
     fn as_expected(&self) -> bool {
         self.agreement.agrees() == (self.case.expected == Expected::Agreement)
@@ -101,7 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut jobs = Vec::new();
     let mut absent = Vec::new();
     for case in chosen {
-        match settings::build(case.scene, &data)? {
+        match scenes::build(case.scene, &data)? {
             Some(setting) => jobs.push(Job { case, setting, folder: args.out.join(case.name()) }),
             None => absent.push(case),
         }
@@ -126,7 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
     printed
 }
 
-fn remark(outcome: &Outcome) -> &'static str {
+fn remark(outcome: &CaseOutcome) -> &'static str {
     match (outcome.case.expected, outcome.as_expected()) {
         (Expected::Agreement, true) => "",
         (Expected::Agreement, false) => "  DISAGREES",
@@ -159,7 +159,7 @@ fn render_with_mitsuba(args: &Args, jobs: &[Job]) -> Result<()> {
     Ok(())
 }
 
-fn compare(args: &Args, job: &Job) -> Result<Outcome> {
+fn compare(args: &Args, job: &Job) -> Result<CaseOutcome> {
     let effect = job.case.effect;
     let scene = TracedScene::new(job.setting.scene.clone())?;
     let shot = Shot {
@@ -176,7 +176,7 @@ fn compare(args: &Args, job: &Job) -> Result<Outcome> {
     };
     pictures::write(&job.folder, &ours, &theirs)?;
     let agreement = Agreement::of(&ours, &theirs, REPLICATES);
-    Ok(Outcome { case: job.case, agreement })
+    Ok(CaseOutcome { case: job.case, agreement })
 }
 
 /// The samples of a case, in either renderer.
@@ -189,9 +189,9 @@ const fn size(args: &Args) -> [usize; 2] {
 }
 
 /// The figures of all cases but the controls, and how many controls were found out.
-fn figures(outcomes: &[Outcome], absent: &[&Case]) -> Figures {
+fn figures(outcomes: &[CaseOutcome], absent: &[&Case]) -> Figures {
     let of = |expected| outcomes.iter().filter(move |outcome| outcome.case.expected == expected);
-    let cases: Vec<&Outcome> = of(Expected::Agreement).collect();
+    let cases: Vec<&CaseOutcome> = of(Expected::Agreement).collect();
     let worst = |value: fn(&Agreement) -> f64| {
         agreement::largest(cases.iter().map(|outcome| value(&outcome.agreement)))
     };

@@ -4,10 +4,10 @@
 //!
 //! The clock holds what theirs does: rectification, integration and the way back, or the march; camera depths
 //! and shadow maps are given. Errors are relative squared errors under one exposure, on every sixteenth
-//! pixel, against a march of [`contest::REFERENCE_STEPS`] steps through the same shadow map.
+//! pixel, against a march of [`equal_error::REFERENCE_STEPS`] steps through the same shadow map.
 
 mod claims;
-mod contest;
+mod equal_error;
 mod hall;
 mod on_gpu;
 mod scaling;
@@ -15,10 +15,10 @@ mod subject;
 
 use anyhow::{Context, Result};
 use claims::Claims;
-use contest::Outcome;
 use deepshade::shared::figures::{Figures, write_atomically};
 use deepshade::shared::table;
 use deepshade_shaders::gpu::Gpu;
+use equal_error::ViewOutcome;
 use on_gpu::OnGpu;
 use scaling::Scaling;
 use serde_json::json;
@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<()> {
         for view in View::ALL {
             let subject = FogView::new(kind, view, setup)?;
             note!("{} at {}x{}", subject.name, setup.size[1], setup.size[0]);
-            outcomes.push(Outcome::of(&subject, &pool));
+            outcomes.push(ViewOutcome::of(&subject, &pool));
         }
     }
     note!("how times grow");
@@ -78,21 +78,21 @@ pub fn run(args: &Args) -> Result<()> {
 
     let mut figures = Figures::new("epipolar");
     outcomes.iter().for_each(|outcome| outcome.set(&mut figures));
-    contest::set_extremes(&outcomes, &mut figures);
+    equal_error::set_extremes(&outcomes, &mut figures);
     scaling.set(&mut figures);
     claims.set(&mut figures);
     on_gpu.set(&mut figures);
     figures.detail("size", json!(setup.size));
     figures.detail("light_rays", json!(setup.light_rays));
     figures.detail("shadow_size", json!(setup.shadow_size));
-    figures.detail("outcomes", outcomes.iter().map(Outcome::to_json).collect());
+    figures.detail("outcomes", outcomes.iter().map(ViewOutcome::to_json).collect());
     figures.detail("scaling", scaling.to_json());
     figures.detail("gpu", on_gpu.to_json());
     figures.write(args.json.as_deref())?;
     if let Some(path) = &args.plot {
         write_atomically(path, scaling.plot().svg("Time against resolution")?.as_bytes())?;
     }
-    say!("{}", table::aligned(&contest::rows(&outcomes)))?;
+    say!("{}", table::aligned(&equal_error::rows(&outcomes)))?;
     say!("\n{}", table::aligned(&scaling.rows()))?;
     say!("\n{}", table::aligned(&claims.rows()))?;
     say!("\n{}\n{}", on_gpu.title(), table::aligned(&on_gpu.rows()))

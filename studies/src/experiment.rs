@@ -1,10 +1,8 @@
 //! `deepshade-studies experiment`: the studies of the thesis (7.5), each a command that makes its data,
 //! trains what it compares, tests it, and writes a table and plots.
 
-mod exam;
 mod field_of_view;
 mod kernels;
-mod lab;
 mod losses;
 mod radius;
 mod regressors;
@@ -12,18 +10,20 @@ mod samples;
 mod scenes;
 mod size;
 mod table;
+mod test_frames;
+mod workspace;
 
 use anyhow::Result;
 use clap::ValueEnum;
 use deepshade::shared::figures::{Figures, machine, write_atomically};
 use deepshade::shared::plot::{Line, Plot, Style};
 use deepshade_train::Loss;
-use lab::{Lab, Run};
 use serde_json::json;
 use size::Size;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use table::Table;
+use workspace::{TrainedRun, Workspace};
 
 /// Reruns a study of the thesis: makes data, trains and tests networks, writes a table and plots.
 #[derive(clap::Args)]
@@ -71,15 +71,15 @@ impl Study {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
-    fn run(self, lab: &Lab) -> Result<Table> {
+    fn run(self, workspace: &Workspace) -> Result<Table> {
         match self {
-            Self::Kernels => kernels::run(lab),
-            Self::Losses => losses::run(lab),
-            Self::Samples => samples::run(lab),
-            Self::Scenes => scenes::run(lab),
-            Self::FieldOfView => field_of_view::run(lab),
-            Self::Radius => radius::run(lab),
-            Self::Regressors => regressors::run(lab),
+            Self::Kernels => kernels::run(workspace),
+            Self::Losses => losses::run(workspace),
+            Self::Samples => samples::run(workspace),
+            Self::Scenes => scenes::run(workspace),
+            Self::FieldOfView => field_of_view::run(workspace),
+            Self::Radius => radius::run(workspace),
+            Self::Regressors => regressors::run(workspace),
         }
     }
 }
@@ -94,17 +94,17 @@ pub fn run(args: &Args) -> Result<()> {
     let folder = args.out.join(size.name);
     let start = Instant::now();
     let device = deepshade_train::device_name()?;
-    let lab = Lab::open(&folder, size)?;
-    let table = args.name.run(&lab)?;
+    let workspace = Workspace::open(&folder, size)?;
+    let table = args.name.run(&workspace)?;
     let seconds = start.elapsed().as_secs_f64();
     let results = folder.join(args.name.name());
-    write(&results, &table, &lab, seconds)?;
+    write(&results, &table, &workspace, seconds)?;
     let mut figures = Figures::new(&format!("experiment {}", args.name.name()));
     table.set_figures(&mut figures);
     figures.set("seconds", seconds);
     figures.detail("size", json!(size.name));
     figures.detail("trained_on", json!(device));
-    figures.detail("made", json!(lab.notes()));
+    figures.detail("made", json!(workspace.notes()));
     figures.write(args.json.as_deref())?;
     say!("{}, size `{}`", table.title, size.name)?;
     table.lines().iter().try_for_each(|line| say!("{line}"))?;
@@ -112,34 +112,34 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Writes the table and its plots.
-fn write(folder: &Path, table: &Table, lab: &Lab, seconds: f64) -> Result<()> {
-    write_atomically(&folder.join("table.md"), markdown(table, lab, seconds).as_bytes())?;
+fn write(folder: &Path, table: &Table, workspace: &Workspace, seconds: f64) -> Result<()> {
+    write_atomically(&folder.join("table.md"), markdown(table, workspace, seconds).as_bytes())?;
     write_atomically(&folder.join("table.csv"), table.csv().as_bytes())?;
     write_atomically(&folder.join("plot.svg"), table.plot.svg(table.title)?.as_bytes())?;
-    match lab.runs().is_empty() {
+    match workspace.runs().is_empty() {
         true => Ok(()),
-        false => write_atomically(&folder.join("curves.svg"), curves(lab).svg("Training")?.as_bytes()),
+        false => write_atomically(&folder.join("curves.svg"), curves(workspace).svg("Training")?.as_bytes()),
     }
 }
 
 /// The table with what it was made by.
-fn markdown(table: &Table, lab: &Lab, seconds: f64) -> String {
+fn markdown(table: &Table, workspace: &Workspace, seconds: f64) -> String {
     let machine = machine();
     let processor = machine["processor"].as_str().unwrap_or("processor unknown");
     let heads = [
-        format!("size `{}`", lab.size.name),
+        format!("size `{}`", workspace.size.name),
         format!("{processor}, {} threads", machine["threads"]),
         format!("{seconds:.0} s, what was there already not counted"),
     ];
-    let list: String = heads.into_iter().chain(lab.notes()).map(|line| format!("- {line}\n")).collect();
+    let list: String = heads.into_iter().chain(workspace.notes()).map(|line| format!("- {line}\n")).collect();
     format!("# {}\n\n{}\n\n{list}", table.title, table.lines().join("\n"))
 }
 
 /// All networks over their steps: validation, and faintly the training of those that are trained for the
 /// same.
-fn curves(lab: &Lab) -> Plot {
+fn curves(workspace: &Workspace) -> Plot {
     let mut lines = Vec::new();
-    for Run { name, loss, lines: measured } in lab.runs() {
+    for TrainedRun { name, loss, lines: measured } in workspace.runs() {
         let validation =
             measured.iter().filter_map(|line| Some((line.step as f64, line.validation_loss?.into())));
         lines.push(Line {

@@ -9,7 +9,7 @@ mod law;
 use anyhow::{Context, Result, ensure};
 use deepshade::shared::arguments::{svg_file, written_file};
 use deepshade::shared::figures::{Figures, write_atomically};
-use deepshade::shared::place::Place;
+use deepshade::shared::location::Location;
 use deepshade::shared::plot::{Line, Plot, Style};
 use deepshade::shared::table;
 use deepshade_train::metrics;
@@ -37,7 +37,7 @@ pub struct Args {
     /// Folders or addresses of finished runs, three at least, on the same data with the same settings but for
     /// the steps.
     #[arg(required = true, num_args = LEAST..=MOST, value_name = "RUN")]
-    runs: Vec<Place>,
+    runs: Vec<Location>,
     /// Draws the curves, their ends and the range into this SVG file.
     #[arg(long, value_parser = svg_file)]
     plot: Option<PathBuf>,
@@ -59,7 +59,7 @@ const FREE: [&str; 3] = ["steps", "validate_every", "patience"];
 const VALIDATIONS: usize = 4;
 
 /// A run, as far as it matters here.
-struct Run {
+struct ForecastRun {
     name: String,
     steps: usize,
     /// Steps and DSSIM of its validations.
@@ -70,7 +70,7 @@ struct Run {
     noise: f64,
 }
 
-impl Run {
+impl ForecastRun {
     /// The run of a folder.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut figures = Figures::new("forecast");
     figures.set("dssim_whole", end);
     let mut rows = vec![["steps", "DSSIM of validation", "SSIM of validation"].map(str::to_owned).to_vec()];
-    rows.extend(runs.iter().map(|Run { steps, end, .. }| {
+    rows.extend(runs.iter().map(|ForecastRun { steps, end, .. }| {
         vec![steps.to_string(), format!("{end:.4}"), format!("{:.4}", similarity(*end))]
     }));
     for times in AHEAD {
@@ -141,7 +141,7 @@ pub fn run(args: &Args) -> Result<()> {
             format!("{:.4} to {:.4}", similarity(high), similarity(low)),
         ]);
     }
-    let described = runs.iter().map(|Run { name, steps, end, noise, .. }| {
+    let described = runs.iter().map(|ForecastRun { name, steps, end, noise, .. }| {
         json!({ "run": name, "steps": steps, "dssim": end, "noise": noise })
     });
     figures.detail("runs", described.collect());
@@ -164,7 +164,7 @@ fn similarity(dssim: f64) -> f64 {
 }
 
 /// The runs of some places, the shortest first.
-fn runs(places: &[Place]) -> Result<Vec<Run>> {
+fn runs(places: &[Location]) -> Result<Vec<ForecastRun>> {
     let mut first: Option<(String, TrainConfig)> = None;
     let mut runs = Vec::new();
     for place in places {
@@ -175,7 +175,7 @@ fn runs(places: &[Place]) -> Result<Vec<Run>> {
         others.retain(|field| !FREE.contains(&field.as_str()));
         let others = others.join(", ");
         ensure!(others.is_empty(), "{name} differs from {first_name} in more than its steps: {others}");
-        runs.push(Run::load(name, &folder, &config)?);
+        runs.push(ForecastRun::load(name, &folder, &config)?);
     }
     runs.sort_by_key(|run| run.steps);
     for pair in runs.windows(2) {
@@ -194,15 +194,16 @@ fn runs(places: &[Place]) -> Result<Vec<Run>> {
 /// The laws that runs' ends may follow, each without a floor and with the best one: first of the ends
 /// themselves, then of ends that are off, each up or down, by their noise and by how far the best law misses
 /// them. None where ends do not fall.
-fn laws(runs: &[Run]) -> Vec<Law> {
+fn laws(runs: &[ForecastRun]) -> Vec<Law> {
     let exact: Vec<(f64, f64)> = runs.iter().map(|run| (run.steps as f64, run.end)).collect();
     let Some(best) = Law::with_floor(&exact) else { return Vec::new() };
     // A law has three numbers to fit with.
     let free = runs.len().saturating_sub(3).max(1) as f64;
     let missed = exact.iter().map(|(steps, end)| (best.at(*steps) - end).powi(2)).sum::<f64>() / free;
     let ends = |offset: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
-        let off = |run: &Run| (run.noise.powi(2) + missed).sqrt();
-        let moved = |(index, run): (usize, &Run)| (run.steps as f64, run.end + offset(index) * off(run));
+        let off = |run: &ForecastRun| (run.noise.powi(2) + missed).sqrt();
+        let moved =
+            |(index, run): (usize, &ForecastRun)| (run.steps as f64, run.end + offset(index) * off(run));
         runs.iter().enumerate().map(moved).collect()
     };
     let of = |ends: &[(f64, f64)]| [Law::without_floor(ends), Law::with_floor(ends)].into_iter().flatten();
@@ -221,7 +222,7 @@ fn bounds(laws: &[Law], steps: f64) -> Option<[f64; 2]> {
 }
 
 /// Every run's curve, their ends, and the range beyond these.
-fn plot(runs: &[Run], laws: &[Law]) -> Plot {
+fn plot(runs: &[ForecastRun], laws: &[Law]) -> Plot {
     let line = |name: &str, points: Vec<(f64, f64)>, style: Style| Line {
         name: name.to_owned(),
         points,
@@ -274,7 +275,7 @@ mod tests {
         folder
     }
 
-    fn places(folders: &[PathBuf]) -> Vec<Place> {
+    fn places(folders: &[PathBuf]) -> Vec<Location> {
         folders.iter().map(|folder| folder.to_str().expect("plain").parse().expect("a folder")).collect()
     }
 

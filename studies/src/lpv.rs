@@ -70,7 +70,7 @@ pub struct Args {
     scene: Vec<SceneSource>,
     /// Measures only some of it.
     #[arg(long, value_delimiter = ',')]
-    only: Vec<Part>,
+    only: Vec<LpvStudy>,
     /// At the paper's size (1280x720) in place of a quarter of its edges, with truth of more samples and 100
     /// frames of what moves in place of 20.
     #[arg(long)]
@@ -91,7 +91,7 @@ pub struct Args {
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Part {
+enum LpvStudy {
     /// What each stage takes.
     Stages,
     /// Where light is injected, from surfels and from reflective shadow maps.
@@ -106,7 +106,7 @@ enum Part {
     Propagation,
 }
 
-impl Part {
+impl LpvStudy {
     const ALL: [Self; 6] =
         [Self::Stages, Self::Injection, Self::Images, Self::Leaks, Self::Motion, Self::Propagation];
 
@@ -151,10 +151,10 @@ const WAKING: Duration = Duration::from_millis(500);
 /// # Errors
 /// If the scene cannot be read, the device fails, or a file cannot be written.
 pub fn run(args: &Args) -> Result<()> {
-    let wanted = |part: &Part| args.only.is_empty() || args.only.contains(part);
-    ensure!(args.page.is_none() || wanted(&Part::Images), "--page shows images, which --only leaves out");
+    let wanted = |part: &LpvStudy| args.only.is_empty() || args.only.contains(part);
+    ensure!(args.page.is_none() || wanted(&LpvStudy::Images), "--page shows images, which --only leaves out");
     ensure!(
-        args.plot.is_none() || wanted(&Part::Propagation),
+        args.plot.is_none() || wanted(&LpvStudy::Propagation),
         "--plot shows propagation, which --only leaves out"
     );
     let page = args.page.as_deref().map(Page::new).transpose()?;
@@ -163,25 +163,25 @@ pub fn run(args: &Args) -> Result<()> {
     let scales = if args.full { [1.0, 0.25] } else { [0.25, 0.1] };
     let [size, small] = scales.map(|scale| PAPER.scaled(scale));
     gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
-    let parts: Vec<Part> = Part::ALL.into_iter().filter(wanted).collect();
-    let seconds = |part: &Part| (part.name(), part.seconds(args.scene.len(), args.full));
+    let parts: Vec<LpvStudy> = LpvStudy::ALL.into_iter().filter(wanted).collect();
+    let seconds = |part: &LpvStudy| (part.name(), part.seconds(args.scene.len(), args.full));
     let mut progress = Progress::new(parts.iter().map(seconds).collect());
     let mut figures = Figures::new("lpv");
     let mut tables = Vec::new();
     for part in parts {
         progress.next();
         match part {
-            Part::Stages => {
+            LpvStudy::Stages => {
                 let costs = Costs::of(&LpvFrame::new(&gpu, &args.scene[0], size)?, runs)?;
                 costs.set(&mut figures);
                 tables.push(costs.rows());
             }
-            Part::Injection => {
+            LpvStudy::Injection => {
                 let injections = Injections::of(&LpvFrame::new(&gpu, &args.scene[0], small)?, runs)?;
                 injections.set(&mut figures);
                 tables.push(injections.rows());
             }
-            Part::Images => {
+            LpvStudy::Images => {
                 let samples = SAMPLES[usize::from(args.full)];
                 let of = |scene: &SceneSource| Alternatives::of(&LpvFrame::new(&gpu, scene, small)?, samples);
                 let scenes: Vec<Alternatives> = args.scene.iter().map(of).collect::<Result<_>>()?;
@@ -196,17 +196,17 @@ pub fn run(args: &Args) -> Result<()> {
                     page.write(&names, &scenes, &mean)?;
                 }
             }
-            Part::Leaks => {
+            LpvStudy::Leaks => {
                 let leaks = Leaks::of(&gpu)?;
                 leaks.set(&mut figures);
                 tables.push(leaks.rows());
             }
-            Part::Motion => {
+            LpvStudy::Motion => {
                 let flicker = Flicker::of(&gpu, FRAMES[usize::from(args.full)])?;
                 flicker.set(&mut figures);
                 tables.push(flicker.rows());
             }
-            Part::Propagation => {
+            LpvStudy::Propagation => {
                 let studies = Studies::new();
                 studies.set(&mut figures);
                 tables.push(studies.rows());

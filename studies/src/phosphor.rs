@@ -2,8 +2,8 @@
 //! equation and by Glassner's integral, in images and at one place, and what a design takes (thesis, sections
 //! 8.5 and 8.6).
 
-mod contest;
 mod cornell;
+mod equal_quality;
 mod glassner;
 mod growth;
 mod pictures;
@@ -11,7 +11,6 @@ mod step;
 mod subject;
 
 use anyhow::{Context, Result};
-use contest::Contest;
 use cornell::OFF;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::{Figures, write_atomically};
@@ -19,17 +18,18 @@ use deepshade::shared::table;
 use deepshade_glow::file::MaterialFile;
 use deepshade_glow::material::{Material, State};
 use deepshade_glow::spectrum::Bands;
-use deepshade_phosphor::design::{Design, Key, Place, thesis_grid};
+use deepshade_phosphor::design::{Design, Key, TargetPoint, thesis_grid};
 use deepshade_phosphor::noise::Noise;
 use deepshade_phosphor::simulation::Simulation;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::lists::median;
+use equal_quality::EqualQuality;
 use glassner::Past;
 use growth::Growth;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-use step::Step;
+use step::StepCost;
 
 /// Milliseconds of a step of 4.7 million texels and of a design, and what light of the past costs by the rate
 /// equation and by Glassner's integral.
@@ -113,9 +113,9 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
     note!("a step of all texels");
-    let step = Step::of(&gpu, runs)?;
+    let step = StepCost::of(&gpu, runs)?;
     note!("images at {}", args.size);
-    let contest = Contest::of(&gpu, args.size, runs, vec![[0.0, OFF]], OFF + AFTER)?;
+    let comparison = EqualQuality::of(&gpu, args.size, runs, vec![[0.0, OFF]], OFF + AFTER)?;
     note!("frames after 1, 4 and 16 seconds");
     let growth = Growth::of(&gpu, args.size, runs)?;
     if let Some(path) = &args.plot {
@@ -123,7 +123,7 @@ pub fn run(args: &Args) -> Result<()> {
         write_atomically(path, svg.as_bytes())?;
     }
     let pictures = match &args.pictures {
-        Some(folder) => pictures::write(&gpu, folder, args.size, contest.rivals())?,
+        Some(folder) => pictures::write(&gpu, folder, args.size, comparison.rivals())?,
         None => Vec::new(),
     };
     note!("designs");
@@ -139,11 +139,11 @@ pub fn run(args: &Args) -> Result<()> {
     let rivals = PASTS.map(Rivals::after).into_iter().collect::<Result<Vec<_>>>()?;
     let mut figures = Figures::new("phosphor");
     step.set(&mut figures);
-    contest.set(&mut figures);
+    comparison.set(&mut figures);
     growth.set(&mut figures);
     pictures.iter().for_each(|picture| picture.set(&mut figures));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.detail("contest", contest.to_json());
+    figures.detail("contest", comparison.to_json());
     for of in &designed {
         figures.set(&format!("ms_design_{}", of.name), of.milliseconds);
         figures.set(&format!("design_residual_{}", of.name), of.residual);
@@ -163,7 +163,7 @@ pub fn run(args: &Args) -> Result<()> {
     if gpu.is_software() {
         say!("(a software adapter: of milliseconds the order alone means something)")?;
     }
-    say!("\n{}", table::aligned(&contest.rows()))?;
+    say!("\n{}", table::aligned(&comparison.rows()))?;
     say!("\n{}", table::aligned(&growth.rows()))?;
     pictures.iter().try_for_each(|picture| say!("{}", picture.path.display()))?;
     say!("\n{}", table::aligned(&design_rows(&designed)))?;
@@ -214,7 +214,7 @@ impl Designed {
 
 /// A place under lights that come and go, which should look at some frames as a material does that is drawn
 /// at random, each colour off by up to a tenth.
-fn place(bands: Bands, noise: &mut Noise) -> Result<Place> {
+fn place(bands: Bands, noise: &mut Noise) -> Result<TargetPoint> {
     let count = bands.count();
     let phases: Vec<[f64; 2]> = (0..count).map(|_| [0.05 * noise.uniform(), 6.0 * noise.uniform()]).collect();
     let light =
@@ -237,7 +237,7 @@ fn place(bands: Bands, noise: &mut Noise) -> Result<Place> {
         }
         run.step(light, dt)?;
     }
-    Ok(Place { bands, dt, irradiance, reflected: vec![], keys })
+    Ok(TargetPoint { bands, dt, irradiance, reflected: vec![], keys })
 }
 
 impl Rivals {

@@ -1,6 +1,6 @@
 //! What a plan's passes are for, what each kind of them takes, and what memory they write.
 
-use deepshade_render::screen::{MethodStep, Plan};
+use deepshade_render::screen::{MethodPasses, MethodStep};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 
 /// A stage of the thesis' Tables 4.1, 5.1 and 6.1. What these have besides, shuffling and unshuffling, ours
@@ -209,7 +209,7 @@ impl Cost {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn of(gpu: &Gpu, plan: &Plan, runs: usize) -> Result<Self, GpuError> {
+    pub fn of(gpu: &Gpu, passes: &MethodPasses, runs: usize) -> Result<Self, GpuError> {
         let Gpu { device, queue, .. } = gpu;
         let warm_up = usize::from(runs > 1);
         let time = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
@@ -219,7 +219,7 @@ impl Cost {
         // Passes of one stage that follow one another are timed together. Whatever runs again finds what it
         // left, which changes images and not the time.
         let stage_of = |step: &MethodStep| Stage::of(step).unwrap_or(Stage::Sum);
-        for together in plan.steps().chunk_by(|a, b| stage_of(a) == stage_of(b)) {
+        for together in passes.steps().chunk_by(|a, b| stage_of(a) == stage_of(b)) {
             let milliseconds = time(&|encoder| {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                 together.iter().for_each(|step| step.step.encode_in(&mut pass));
@@ -230,14 +230,14 @@ impl Cost {
                 None => stages.push((stage, milliseconds)),
             }
         }
-        let total = time(&|encoder| plan.encode(encoder))?;
-        Ok(Self { stages, total, megabytes: megabytes(plan), surfels: surfels(gpu, plan)? })
+        let total = time(&|encoder| passes.encode(encoder))?;
+        Ok(Self { stages, total, megabytes: megabytes(passes), surfels: surfels(gpu, passes)? })
     }
 }
 
 /// Megabytes of all that a plan's passes write.
-pub fn megabytes(plan: &Plan) -> f64 {
-    let mut written: Vec<&wgpu::Buffer> = plan.steps().iter().flat_map(|step| &step.writes).collect();
+pub fn megabytes(passes: &MethodPasses) -> f64 {
+    let mut written: Vec<&wgpu::Buffer> = passes.steps().iter().flat_map(|step| &step.writes).collect();
     written.sort_unstable();
     written.dedup();
     let bytes: u64 = written.into_iter().map(wgpu::Buffer::size).sum();
@@ -245,8 +245,8 @@ pub fn megabytes(plan: &Plan) -> f64 {
 }
 
 /// How many surfels the last frame has, and how many it would have with room for all.
-pub fn surfels(gpu: &Gpu, plan: &Plan) -> Result<[u32; 2], GpuError> {
-    let counts = plan.steps().iter().find(|step| step.step.pass.is_of("surfels.total"));
+pub fn surfels(gpu: &Gpu, passes: &MethodPasses) -> Result<[u32; 2], GpuError> {
+    let counts = passes.steps().iter().find(|step| step.step.pass.is_of("surfels.total"));
     let Some(counts) = counts.and_then(|step| step.writes.last()) else { return Ok([0; 2]) };
     let counts: Vec<u32> = gpu::read_part(&gpu.device, &gpu.queue, counts, 0, 8)?;
     Ok([counts[0], counts[1]])

@@ -15,7 +15,7 @@ use deepshade::shared::{methods, table};
 use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::raster::patches::Patch;
 use deepshade_render::scene::SceneSource;
-use deepshade_render::screen::{Plan, ScreenMethod};
+use deepshade_render::screen::{MethodPasses, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect};
 use serde_json::json;
@@ -69,14 +69,14 @@ pub struct Args {
     #[arg(long)]
     no_sweeps: bool,
     #[command(flatten)]
-    viewpoint: deepshade::shared::stage::Viewpoint,
+    viewpoint: deepshade::shared::animated_view::Viewpoint,
     /// Writes the figures here as JSON.
     #[arg(long, value_parser = deepshade::shared::arguments::written_file)]
     json: Option<PathBuf>,
 }
 
 /// A method of an effect at a size, and what it costs.
-struct Measured {
+struct MethodCost {
     effect: Effect,
     method: &'static str,
     size: Size,
@@ -94,15 +94,15 @@ pub fn run(args: &Args) -> Result<()> {
     let methods = opened(args, &gpu, &effects)?;
     ensure!(!methods.is_empty(), "none of these methods shades any of these effects");
     let attributes: Vec<Attribute> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
-    let staged = subject::staged(args, &effects)?;
-    let subject = |size: Size| SurfelFrame::new(&gpu, &staged, args.radius, size, &attributes);
+    let animated_view = subject::open(args, &effects)?;
+    let subject = |size: Size| SurfelFrame::new(&gpu, &animated_view, args.radius, size, &attributes);
     let subjects: Vec<(Size, SurfelFrame<'_>)> =
         args.sizes.iter().map(|size| Ok((*size, subject(*size)?))).collect::<Result<_>>()?;
     let mut measured = Vec::new();
     for (size, subject) in &subjects {
         gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
         for method in &methods {
-            measured.push(Measured::new(method, subject, *size, runs)?);
+            measured.push(MethodCost::new(method, subject, *size, runs)?);
         }
     }
     let (size, first) = subjects.first().context("--sizes names no size")?;
@@ -112,7 +112,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => {
             let (method, subject) =
                 (methods::open_screen(Effect::Ao, METHODS[0], &gpu, args.quality)?, subject(PAPER)?);
-            stages::megabytes(&Plan::new(&method, &subject.inputs(), &subject.view)?)
+            stages::megabytes(&MethodPasses::new(&method, &subject.inputs(), &subject.view)?)
         }
     };
     let memory = memory + (first.patches() * size_of::<Patch>()) as f64 * 1e-6;
@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("triangles", json!(first.triangles()));
     figures.detail("patches", json!(first.patches()));
     figures.detail("runs", json!(runs));
-    figures.detail("costs", measured.iter().map(Measured::to_json).collect());
+    figures.detail("costs", measured.iter().map(MethodCost::to_json).collect());
     figures.detail("sweeps", sweeps.iter().map(Row::to_json).collect());
     figures.write(args.json.as_deref())?;
 
@@ -184,12 +184,12 @@ fn opened(args: &Args, gpu: &Gpu, effects: &[Effect]) -> Result<Vec<ScreenMethod
     all.map(|(effect, name)| methods::open_screen(effect, name, gpu, args.quality)).collect()
 }
 
-impl Measured {
+impl MethodCost {
     fn new(method: &ScreenMethod, subject: &SurfelFrame<'_>, size: Size, runs: usize) -> Result<Self> {
         let (effect, method_name) = (method.effect(), method.name());
         note!("{effect} by {method_name} at {size}");
-        let plan = Plan::new(method, &subject.inputs(), &subject.view);
-        let cost = plan.and_then(|plan| Cost::of(method.gpu(), &plan, runs));
+        let passes = MethodPasses::new(method, &subject.inputs(), &subject.view);
+        let cost = passes.and_then(|passes| Cost::of(method.gpu(), &passes, runs));
         let cost = cost.with_context(|| format!("{effect} by `{method_name}`"))?;
         Ok(Self { effect, method: method_name, size, cost })
     }
@@ -220,14 +220,14 @@ impl Measured {
     }
 }
 
-fn cost_rows(measured: &[Measured]) -> Vec<Vec<String>> {
+fn cost_rows(measured: &[MethodCost]) -> Vec<Vec<String>> {
     let is_had =
         |stage: &Stage| measured.iter().any(|one| one.cost.stages.iter().any(|(other, _)| other == stage));
     let stages: Vec<Stage> = Stage::ALL.into_iter().filter(is_had).collect();
     let head = ["effect", "method", "size", "surfels"].into_iter();
     let head = head.chain(stages.iter().map(|stage| stage.name())).chain(["total ms", "MB"]);
     let mut rows = vec![head.map(str::to_owned).collect::<Vec<String>>()];
-    for Measured { effect, method, size, cost } in measured {
+    for MethodCost { effect, method, size, cost } in measured {
         let mut row =
             vec![effect.to_string(), (*method).to_owned(), size.to_string(), cost.surfels_in_words()];
         row.extend(stages.iter().map(|stage| {

@@ -7,7 +7,7 @@ use deepshade::shared::figures::{machine, write_atomically};
 use deepshade::shared::learned;
 use deepshade::shared::methods::{LEARNED, TRUTH};
 use deepshade::shared::pictures::{Exposure, write_png};
-use deepshade::shared::web::{Showing, Sight, Wish, scores};
+use deepshade::shared::web::{PageRequest, ShownScene, TracedView, scores};
 use deepshade_infer::Model;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::scene::SceneSource;
@@ -62,7 +62,7 @@ pub fn run(args: &Args) -> Result<()> {
     let wanted = RECORDED.iter().filter(|(effect, ..)| args.only.is_none_or(|only| only == *effect));
     let mut recorded = Vec::new();
     for (effect, methods, family, seed, view) in wanted {
-        let wish = Wish {
+        let wish = PageRequest {
             scene: SceneSource::Procedural(*family, *seed),
             view: *view,
             effect: *effect,
@@ -78,24 +78,25 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{} comparisons in {}", recorded.len(), args.out.display())
 }
 
-fn record(args: &Args, gpu: &Gpu, wish: &Wish) -> Result<Value> {
+fn record(args: &Args, gpu: &Gpu, wish: &PageRequest) -> Result<Value> {
     let effect = wish.effect;
     let learned = wish.methods.iter().any(|name| name == LEARNED);
     let model = learned.then(|| learned::network(&args.models.join(effect.name()), Some(effect)));
     let model: Option<Model> = model.transpose()?;
-    let mut showing = Showing::new(gpu, wish, model.as_ref())?;
-    let camera = showing.staged.camera;
+    let mut shown_scene = ShownScene::new(gpu, wish, model.as_ref())?;
+    let camera = shown_scene.animated_view.camera;
     let mut times = None;
     // What is compiled in the first frame is no part of a frame, and a clock tells of frames before.
     for _ in 0..8 {
-        times = gpu::wait(showing.make(0.0, &camera))??.or(times);
+        times = gpu::wait(shown_scene.make(0.0, &camera))??.or(times);
     }
-    let passes = showing.live.passes();
-    let images = (0..showing.names.len()).map(|index| Ok((showing.names[index], showing.live.image(index)?)));
+    let passes = shown_scene.live.passes();
+    let images = (0..shown_scene.names.len())
+        .map(|index| Ok((shown_scene.names[index], shown_scene.live.image(index)?)));
     let mut images: Vec<(&str, Planes)> = images.collect::<Result<_>>()?;
     let truth = (args.samples > 0).then(|| {
-        let sight = Sight::new(wish, &showing.staged, 0.0, showing.radius)?;
-        Ok::<_, anyhow::Error>(sight.refine(&camera, None, args.samples.div_ceil(SCRAMBLINGS)).0)
+        let traced_view = TracedView::new(wish, &shown_scene.animated_view, 0.0, shown_scene.radius)?;
+        Ok::<_, anyhow::Error>(traced_view.refine(&camera, None, args.samples.div_ceil(SCRAMBLINGS)).0)
     });
     let truth = truth.transpose()?;
     let exposure = Exposure::new(effect, &images[0].1, None);
@@ -123,7 +124,7 @@ fn record(args: &Args, gpu: &Gpu, wish: &Wish) -> Result<Value> {
         "passes": passes,
         "milliseconds": times,
         "exposure": exposure.to_string(),
-        "added": showing.staged.added,
+        "added": shown_scene.animated_view.added,
     }))
 }
 

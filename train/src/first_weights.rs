@@ -2,7 +2,7 @@
 
 use crate::rng::{Purpose, Rng};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Head, Layer, NetSpec, Source, Weights};
+use deepshade_infer::{BlockSource, Head, Layer, NetSpec, Weights};
 use deepshade_shaders::Attribute;
 
 /// Weights of the layer that makes the image, over those of other layers.
@@ -57,7 +57,7 @@ pub fn random_weights(spec: &NetSpec, seed: u64) -> Weights {
 
 /// Whether a layer is one whose kernel begins as the identity.
 fn is_residual(layer: &Layer) -> bool {
-    let plain = matches!(layer.source, Source::Plain(_)) && layer.activation;
+    let plain = matches!(layer.source, BlockSource::Plain(_)) && layer.activation;
     plain && layer.groups == 1 && layer.kernel > 1 && layer.inputs == layer.outputs
 }
 
@@ -77,7 +77,7 @@ fn pass_light(layers: &[Layer], lights: &[usize], weights: &mut Weights) {
     let area = first.kernel * first.kernel;
     // Channels of the first layer, among those that the last one reads.
     let skip = match last.source {
-        Source::Joined { .. } => last.inputs - first.outputs,
+        BlockSource::Joined { .. } => last.inputs - first.outputs,
         _ => 0,
     };
     for (index, light) in lights.iter().enumerate() {

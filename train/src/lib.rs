@@ -37,4 +37,4 @@ pub use net::{UNet, forward_burn, layers_burn};
 pub use optim::Optimiser;
 pub use pairs::PairSource;
 pub use stop::Stop;
-pub use training::{Ending, Outcome, train, train_on, train_streamed};
+pub use training::{Ending, TrainingOutcome, train, train_on, train_streamed};

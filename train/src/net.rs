@@ -7,7 +7,7 @@ use burn::module::{Module, Param, ParamId};
 use burn::tensor::ops::PadMode;
 use burn::tensor::{Device, Tensor, TensorData};
 use deepshade_infer::weights::LayerWeights;
-use deepshade_infer::{Activation, Head, Layer, NetSpec, Source, Weights};
+use deepshade_infer::{Activation, BlockSource, Head, Layer, NetSpec, Weights};
 use deepshade_shaders::Planes;
 
 /// A convolution's weights and biases.
@@ -118,11 +118,11 @@ impl UNet {
             let (weight, bias) = (conv.weight.val(), conv.bias.val());
             let made = |index: usize| outputs[index].clone();
             outputs.push(match layer.source {
-                Source::Input => ops::convolve(x.clone(), weight, bias, false, leak),
-                Source::Folded => ops::convolve(folded(x.clone()), weight, bias, false, leak),
-                Source::Plain(from) => ops::convolve(made(from), weight, bias, false, leak),
-                Source::Pooled(finer) => ops::convolve(made(finer), weight, bias, true, leak),
-                Source::Joined { coarse, skip, groups } => {
+                BlockSource::Input => ops::convolve(x.clone(), weight, bias, false, leak),
+                BlockSource::Folded => ops::convolve(folded(x.clone()), weight, bias, false, leak),
+                BlockSource::Plain(from) => ops::convolve(made(from), weight, bias, false, leak),
+                BlockSource::Pooled(finer) => ops::convolve(made(finer), weight, bias, true, leak),
+                BlockSource::Joined { coarse, skip, groups } => {
                     ops::convolve_joined([made(coarse), made(skip)], weight, bias, groups, leak)
                 }
             });

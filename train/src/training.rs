@@ -45,7 +45,7 @@ pub enum Ending {
 
 /// What a run has come to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outcome {
+pub struct TrainingOutcome {
     /// Why it ended.
     pub ending: Ending,
     /// How far it has come.
@@ -61,7 +61,7 @@ pub struct Outcome {
 /// # Errors
 /// If the config makes no sense, it or the data are not those of the run in the folder, another program has
 /// the folder, a file cannot be read or written, or the loss is no number any more.
-pub fn train(config: &TrainConfig, folder: &Path) -> Result<Outcome, TrainError> {
+pub fn train(config: &TrainConfig, folder: &Path) -> Result<TrainingOutcome, TrainError> {
     config.check()?;
     let dataset = Dataset::open(&config.dataset)?;
     train_on(config, Arc::new(dataset), folder)
@@ -75,7 +75,7 @@ pub fn train_on(
     config: &TrainConfig,
     source: Arc<dyn PairSource>,
     folder: &Path,
-) -> Result<Outcome, TrainError> {
+) -> Result<TrainingOutcome, TrainError> {
     config.check()?;
     let split = Split::new(&*source, config.validation_pairs)?;
     let data_hash = source.hash().map_err(TrainError::Data)?;
@@ -84,14 +84,18 @@ pub fn train_on(
     let cache = Cache::new(source, config.spec.clone(), config.cache_megabytes << 20);
     let validation = split.validation.iter().map(|index| cache.pair(*index)).collect::<Result<_, _>>()?;
     let feed = move |_| Ok(Feed::Folder { cache, training: split.training });
-    Run::open(config, folder, metrics, feed, validation)?.go()
+    TrainingLoop::open(config, folder, metrics, feed, validation)?.go()
 }
 
 /// As [`train`], on pairs that are rendered while the network trains.
 ///
 /// # Errors
 /// As [`train`], and if a recipe's scenes cannot be had.
-pub fn train_streamed(config: &TrainConfig, recipe: &Recipe, folder: &Path) -> Result<Outcome, TrainError> {
+pub fn train_streamed(
+    config: &TrainConfig,
+    recipe: &Recipe,
+    folder: &Path,
+) -> Result<TrainingOutcome, TrainError> {
     config.check()?;
     let data_hash = stream::hash(recipe);
     let endless = config.stream.unwrap_or(Endless::USUAL);
@@ -109,7 +113,7 @@ pub fn train_streamed(config: &TrainConfig, recipe: &Recipe, folder: &Path) -> R
         let streamed = Streamed::start(recipe, config, endless, step * config.batch)?;
         Ok(Feed::Streamed(streamed))
     };
-    Run::open(config, folder, metrics, feed, validation)?.go()
+    TrainingLoop::open(config, folder, metrics, feed, validation)?.go()
 }
 
 /// Takes a run's folder, or checks that the run that lies there has the same settings.
@@ -157,7 +161,7 @@ impl Split {
 }
 
 /// A run while it goes on.
-struct Run<'a> {
+struct TrainingLoop<'a> {
     config: &'a TrainConfig,
     folder: &'a Path,
     /// Each takes its share of a batch; the first has the network.
@@ -174,7 +178,7 @@ struct Run<'a> {
     meter: Meter,
 }
 
-impl<'a> Run<'a> {
+impl<'a> TrainingLoop<'a> {
     /// A fresh run, or the one that the folder's checkpoint holds.
     fn open(
         config: &'a TrainConfig,
@@ -225,7 +229,7 @@ impl<'a> Run<'a> {
     }
 
     /// Trains until the end.
-    fn go(mut self) -> Result<Outcome, TrainError> {
+    fn go(mut self) -> Result<TrainingOutcome, TrainError> {
         let config = self.config;
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
         let mut loader = Loader::start(&self.feed, config, self.progress.step);
@@ -255,7 +259,7 @@ impl<'a> Run<'a> {
         self.metrics.draw()?;
         let images_per_second = self.meter.images_per_second();
         let waiting = self.feed.waited() / self.meter.time.as_secs_f64().max(1e-9);
-        Ok(Outcome { ending, progress: self.progress, waiting: waiting.min(1.0), images_per_second })
+        Ok(TrainingOutcome { ending, progress: self.progress, waiting: waiting.min(1.0), images_per_second })
     }
 
     /// Shows a step: its loss, the best validation so far, the speed.

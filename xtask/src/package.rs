@@ -99,8 +99,8 @@ fn by_container(_: &Path) -> Result<()> {
     let root = Root::new("container")?;
     for step in steps {
         match step {
-            container::Step::Run(line) => root.run(&line)?,
-            container::Step::Copy(from, to) => {
+            container::Instruction::Run(line) => root.run(&line)?,
+            container::Instruction::Copy(from, to) => {
                 root.put(&built(&program, &from)?, to.trim_start_matches('/'))?
             }
         }

@@ -16,7 +16,7 @@ use std::{
 mod real_data;
 
 /// A check: what it is called, and the arguments of cargo.
-type Step = (&'static str, &'static [&'static str]);
+type CargoCheck = (&'static str, &'static [&'static str]);
 
 /// Lints and tests have the same features, so that a clean machine compiles each dependency once for either.
 /// What drives a browser is apart: what it needs has serde_json keep the order of keys, which the program
@@ -24,7 +24,7 @@ type Step = (&'static str, &'static [&'static str]);
 /// without the other features. Embree is loaded at run time and need not be there.
 pub const FEATURES: &str = "store,embree";
 
-const STEPS: [Step; 7] = [
+const STEPS: [CargoCheck; 7] = [
     ("formatting", &["fmt", "--all", "--check"]),
     (
         "clippy",

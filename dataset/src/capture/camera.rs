@@ -23,7 +23,7 @@ pub struct CaptureCamera {
 /// A camera as files state it: the principal point is from the middle of the first pixel.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stated {
+struct CameraFile {
     width: usize,
     height: usize,
     fx: f32,
@@ -44,7 +44,7 @@ struct Open3d {
 /// Edges of images that are read, pixels.
 const EDGE: std::ops::RangeInclusive<usize> = 1..=8192;
 
-impl Stated {
+impl CameraFile {
     /// The camera, or what makes no sense.
     fn camera(self, depth_scale: f32) -> Result<CaptureCamera, &'static str> {
         let depth_scale = self.depth_scale.unwrap_or(depth_scale);
@@ -79,7 +79,7 @@ impl CaptureCamera {
             return Ok(None);
         }
         let text = std::fs::read_to_string(path).map_err(|source| CaptureError::io(path, source))?;
-        let stated: Stated = toml::from_str(&text)
+        let stated: CameraFile = toml::from_str(&text)
             .map_err(|error| CaptureError::invalid(path, with_meant(&error.to_string())))?;
         stated.camera(depth_scale).map(Some).map_err(|what| CaptureError::invalid(path, what))
     }
@@ -92,7 +92,7 @@ impl CaptureCamera {
         let text = std::fs::read_to_string(path).map_err(|source| CaptureError::io(path, source))?;
         let Open3d { width, height, intrinsic_matrix: [fx, _, _, _, fy, _, cx, cy, _] } =
             serde_json::from_str(&text).map_err(|error| CaptureError::invalid(path, error.to_string()))?;
-        let stated = Stated { width, height, fx, fy, cx, cy, depth_scale: None };
+        let stated = CameraFile { width, height, fx, fy, cx, cy, depth_scale: None };
         stated.camera(depth_scale).map_err(|what| CaptureError::invalid(path, what))
     }
 
@@ -106,7 +106,7 @@ impl CaptureCamera {
         ];
         let name = folder.file_name()?.to_str()?;
         let (_, [fx, fy, cx, cy]) = known.into_iter().find(|(part, _)| name.contains(part))?;
-        let stated = Stated { width: 640, height: 480, fx, fy, cx, cy, depth_scale: None };
+        let stated = CameraFile { width: 640, height: 480, fx, fy, cx, cy, depth_scale: None };
         stated.camera(depth_scale).ok()
     }
 }

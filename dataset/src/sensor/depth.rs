@@ -70,7 +70,7 @@ pub fn measured(seen: &GBuffer, intrinsics: &Intrinsics, seed: u32) -> Planes {
 
 /// What comes back from a pixel's surface before there is noise.
 #[derive(Clone, Copy, Debug)]
-struct Answer {
+struct DepthReturn {
     /// Metres along the view's axis.
     depth: f32,
     /// Between normal and view, radians.
@@ -78,7 +78,7 @@ struct Answer {
 }
 
 /// The answers of all pixels; `None` where nothing comes back.
-fn answers(seen: &GBuffer, intrinsics: &Intrinsics) -> Vec<Option<Answer>> {
+fn answers(seen: &GBuffer, intrinsics: &Intrinsics) -> Vec<Option<DepthReturn>> {
     let wanted = [Attribute::Position, Attribute::Normal, Attribute::Valid];
     let planes = seen.select(&wanted).expect("a g-buffer of what the sensor reads");
     let vector = |first: usize, pixel: usize| {
@@ -90,9 +90,9 @@ fn answers(seen: &GBuffer, intrinsics: &Intrinsics) -> Vec<Option<Answer>> {
         let depth = -position.z;
         let comes_back =
             shows_surface(planes.plane(6)[pixel]) && cosine > LEAST_COSINE && RANGE.contains(&depth);
-        comes_back.then(|| Answer { depth, angle: cosine.min(1.0).acos() })
+        comes_back.then(|| DepthReturn { depth, angle: cosine.min(1.0).acos() })
     };
-    let mut answers: Vec<Option<Answer>> = (0..seen.height() * seen.width()).map(answer).collect();
+    let mut answers: Vec<Option<DepthReturn>> = (0..seen.height() * seen.width()).map(answer).collect();
     for (row, z) in answers.chunks_mut(seen.width()).zip(planes.plane(2).chunks(seen.width())) {
         shade(row, z, intrinsics);
     }
@@ -103,7 +103,7 @@ fn answers(seen: &GBuffer, intrinsics: &Intrinsics) -> Vec<Option<Answer>> {
 /// the camera and sees what is at a column at `column - focal length * base line / depth`: going left, those
 /// columns fall unless something nearer was passed, behind which nothing is lit until they fall below its
 /// own.
-fn shade(answers: &mut [Option<Answer>], z: &[f32], intrinsics: &Intrinsics) {
+fn shade(answers: &mut [Option<DepthReturn>], z: &[f32], intrinsics: &Intrinsics) {
     let mut least = f32::INFINITY;
     for (x, (answer, z)) in answers.iter_mut().zip(z).enumerate().rev() {
         // Where nothing is seen nothing is in the projector's way.
@@ -121,12 +121,12 @@ fn shade(answers: &mut [Option<Answer>], z: &[f32], intrinsics: &Intrinsics) {
 /// What answers at a pixel: its own surface or, if the noise across the view is that large, the one beyond an
 /// edge. On one surface the noise along the view is all there is.
 fn jittered(
-    answers: &[Option<Answer>],
+    answers: &[Option<DepthReturn>],
     [height, width]: [usize; 2],
     pixel: usize,
     intrinsics: &Intrinsics,
     words: [u64; 3],
-) -> Option<Answer> {
+) -> Option<DepthReturn> {
     let own = answers[pixel];
     let deviation = lateral_noise(own.map_or(0.0, |own| own.angle)) * intrinsics.fx / FOCAL;
     let moved = |at: usize, most: usize, which: u64| {

@@ -56,7 +56,7 @@ impl TestSet {
         let total = recipe.scene_count() * recipe.views_per_scene;
         let bar = progress::bar("frames", total, known.len());
         let props = Props::load(recipe)?;
-        let work = Work {
+        let context = FrameContext {
             recipe,
             method,
             props: &props,
@@ -67,7 +67,7 @@ impl TestSet {
             known: &known,
             bar: &bar,
         };
-        let list = List { origin, frames: by_scene(&plan, |index, scene| work.scene(index, scene))? };
+        let list = List { origin, frames: by_scene(&plan, |index, scene| context.scene(index, scene))? };
         bar.finish_and_clear();
         write_json(&folder.join(LIST), &list)?;
         journal.finish()?;
@@ -86,7 +86,7 @@ fn earlier_frames(folder: &Path, ours: &Origin) -> Result<Vec<FrameRecord>, Data
 }
 
 /// What all frames share.
-struct Work<'a> {
+struct FrameContext<'a> {
     recipe: &'a Recipe,
     method: Option<TargetMethod<'a>>,
     props: &'a Props,
@@ -98,7 +98,7 @@ struct Work<'a> {
     bar: &'a ProgressBar,
 }
 
-impl Work<'_> {
+impl FrameContext<'_> {
     /// All frames of a scene, which is only loaded if one of them is missing.
     fn scene(&self, index: usize, scene: &PlannedScene) -> Result<Vec<FrameRecord>, DatasetError> {
         let known = |view: &PlannedView| self.known.get(&view.name).cloned();
@@ -129,8 +129,8 @@ impl Work<'_> {
         let tiles = tile_indices(view.seed, height, width, self.tiles.one_in);
         let gbuffer = staged.gbuffer(&scene, &camera, view.seed);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: view.seed };
-        let aim = match self.method {
-            Some(method) => Aim::of_method(method, &frame, &tiles)?,
+        let target = match self.method {
+            Some(method) => ScoringTarget::of_method(method, &frame, &tiles)?,
             None => self.truth(&frame, &tiles, whole),
         };
         let write = |folder: &str, samples: u32, image: &Planes| self.write(folder, view, samples, image);
@@ -142,10 +142,10 @@ impl Work<'_> {
             radius,
             seed: view.seed,
             variation,
-            exposure: aim.exposure,
-            ceiling: aim.ceiling,
-            tiles: write("tiles", aim.samples, &aim.tiles)?,
-            whole: aim
+            exposure: target.exposure,
+            ceiling: target.ceiling,
+            tiles: write("tiles", target.samples, &target.tiles)?,
+            whole: target
                 .whole
                 .filter(|_| whole)
                 .map(|(image, samples)| write("whole", samples, &image))
@@ -157,7 +157,7 @@ impl Work<'_> {
     }
 
     /// Truth on the tiles, and of the whole frame where that is kept.
-    fn truth(&self, frame: &Frame<'_>, tiles: &[usize], whole: bool) -> Aim {
+    fn truth(&self, frame: &Frame<'_>, tiles: &[usize], whole: bool) -> ScoringTarget {
         let Recipe { effect, resolution, samples, .. } = *self.recipe;
         let shot = Shot::new(frame.scene, frame.camera, [resolution.height, resolution.width], frame.radius);
         let stream = |stream: u64| mix(&[u64::from(frame.seed), stream]) as u32;
@@ -165,7 +165,7 @@ impl Work<'_> {
         let rendered = Truth::render(effect, &shot, goal, stream(0), in_tiles(tiles, resolution.width));
         let image = truth::within_half(gather(&rendered.estimate.mean, tiles));
         let exposure = exposure(effect, &image);
-        Aim {
+        ScoringTarget {
             exposure,
             ceiling: ceiling(&rendered, tiles, exposure),
             tiles: image,
@@ -198,7 +198,7 @@ impl Work<'_> {
 }
 
 /// What a frame's methods are scored against.
-struct Aim {
+struct ScoringTarget {
     exposure: f32,
     ceiling: Ceiling,
     tiles: Planes,
@@ -206,7 +206,7 @@ struct Aim {
     whole: Option<(Planes, u32)>,
 }
 
-impl Aim {
+impl ScoringTarget {
     /// What a method makes, which has no noise.
     fn of_method(method: TargetMethod<'_>, frame: &Frame<'_>, tiles: &[usize]) -> Result<Self, DatasetError> {
         let whole = truth::within_half(target::image(method, frame)?);

@@ -1,6 +1,6 @@
 //! What is drawn for one image.
 
-use super::{Fog, Lamp, Moment, Vary};
+use super::{Fog, Lamp, TimelineMoment, Vary};
 use crate::random::uniform;
 use crate::views;
 use deepshade_render::bvh::TracedScene;
@@ -23,7 +23,7 @@ pub struct Variation {
     pub fog: Option<Fog>,
     /// Which moment of a timeline it shows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moment: Option<Moment>,
+    pub moment: Option<TimelineMoment>,
 }
 
 /// What random numbers are for, so that none is used twice.

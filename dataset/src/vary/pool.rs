@@ -15,13 +15,13 @@ const MOST_TEXELS: usize = 1 << 26;
 /// Textures that are made or read when they are drawn; those that were drawn last stay in memory.
 #[derive(Debug, Default)]
 pub(super) struct Pool {
-    sources: Vec<Source>,
+    sources: Vec<TextureSource>,
     recent: Mutex<Recent>,
 }
 
 /// Where a texture comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Source {
+enum TextureSource {
     /// A procedural pattern, by its seed.
     Pattern(u64),
     /// An image, with its BLAKE3 hash.
@@ -36,7 +36,7 @@ impl Pool {
     /// So many procedural patterns; those for training are not those for testing.
     pub fn patterns(count: usize, seed: u32, split: Split) -> Self {
         let split = u64::from(split == Split::Test);
-        let pattern = |index: usize| Source::Pattern(mix(&[u64::from(seed), split, index as u64]));
+        let pattern = |index: usize| TextureSource::Pattern(mix(&[u64::from(seed), split, index as u64]));
         Self { sources: (0..count).map(pattern).collect(), ..Self::default() }
     }
 
@@ -51,7 +51,7 @@ impl Pool {
             return Err(DatasetError::invalid(folder, "holds no PNG or JPEG image"));
         }
         images.sort();
-        let hashed = |path: PathBuf| file_hash(&path).map(|hash| Source::Image(path, hash));
+        let hashed = |path: PathBuf| file_hash(&path).map(|hash| TextureSource::Image(path, hash));
         let sources = images.into_par_iter().map(hashed).collect::<Result<_, _>>()?;
         Ok(Self { sources, ..Self::default() })
     }
@@ -60,7 +60,7 @@ impl Pool {
     pub fn hash(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         for source in &self.sources {
-            if let Source::Image(_, hash) = source {
+            if let TextureSource::Image(_, hash) = source {
                 hasher.update(hash.as_bytes());
             }
         }
@@ -91,7 +91,7 @@ impl Pool {
     }
 }
 
-impl Source {
+impl TextureSource {
     fn load(&self) -> Result<Texture, DatasetError> {
         match self {
             Self::Pattern(seed) => Ok(pattern(*seed)),

@@ -1,7 +1,7 @@
 //! A scene of data, and how it is shown in each of its images.
 
 use super::draw::{between, purpose};
-use super::{Moment, Props, Timeline, Variation, Vary, draw, look, motion, timeline};
+use super::{Props, Timeline, TimelineMoment, Variation, Vary, draw, look, motion, timeline};
 use crate::plan::PlannedView;
 use crate::random::uniform;
 use crate::recipe::Viewpoint;
@@ -141,7 +141,7 @@ impl<'a> StagedScene<'a> {
         let frame = view.index % sequence.frames;
         let first = view.index - frame;
         let (first, variation) = self.draw(self.camera(key, first)?, self.recipe.view_seed(key, first));
-        let moment = Some(Moment { time: timeline.time(frame), first });
+        let moment = Some(TimelineMoment { time: timeline.time(frame), first });
         Ok((camera, variation.map(|variation| Variation { moment, ..variation })))
     }
 

@@ -24,7 +24,7 @@ pub struct Timeline {
 /// The moment of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Moment {
+pub struct TimelineMoment {
     /// Seconds.
     pub time: f32,
     /// From where the sequence's first frame is seen, by which its lamp and movements are drawn.
@@ -130,7 +130,7 @@ impl StagedScene<'_> {
         &self,
         (vary, timeline): (&Vary, &Timeline),
         variation: &Variation,
-        moment: &Moment,
+        moment: &TimelineMoment,
     ) -> Result<TracedScene, DatasetError> {
         let base = self.base();
         let schedules = vec![Schedule { lights: Vec::new(), on: timeline.on.clone() }];

@@ -15,7 +15,7 @@ mod plan;
 pub mod shape;
 pub mod stripe;
 
-pub use plan::Plan;
+pub use plan::CpuPlan;
 
 use crate::forward::ForwardError;
 use crate::{Layer, NetSpec, Weights};
@@ -28,12 +28,12 @@ use stripe::Packed;
 #[derive(Clone, Debug)]
 pub struct Network {
     spec: NetSpec,
-    stages: Arc<[Stage]>,
+    packed_layers: Arc<[PackedLayer]>,
 }
 
 /// A layer, ready to run.
 #[derive(Debug)]
-struct Stage {
+struct PackedLayer {
     layer: Layer,
     weights: Packed,
     bias: Vec<f32>,
@@ -51,13 +51,13 @@ impl Network {
             return Err(ForwardError::Unfit);
         }
         let layers = spec.layers();
-        let stage = |(layer, weights): (&Layer, &crate::LayerWeights)| Stage {
+        let packed = |(layer, weights): (&Layer, &crate::LayerWeights)| PackedLayer {
             weights: Packed::new(conv_shape(layer, [spec.alignment(); 2]), &weights.weight),
             bias: weights.bias.clone(),
             order: layer.read_order(&layers),
             layer: layer.clone(),
         };
-        Ok(Self { spec: spec.clone(), stages: layers.iter().zip(&weights.0).map(stage).collect() })
+        Ok(Self { spec: spec.clone(), packed_layers: layers.iter().zip(&weights.0).map(packed).collect() })
     }
 
     /// The network's spec.
@@ -70,16 +70,16 @@ impl Network {
     ///
     /// # Errors
     /// If there is no pixel, or not even the smallest tile is small enough.
-    pub fn plan(&self, height: usize, width: usize) -> Result<Plan, ForwardError> {
-        Plan::new(self.clone(), [height, width], plan::MOST_BYTES)
+    pub fn plan(&self, height: usize, width: usize) -> Result<CpuPlan, ForwardError> {
+        CpuPlan::new(self.clone(), [height, width], plan::MOST_BYTES)
     }
 
     /// As [`Network::plan`], with feature maps of at most so many bytes.
     ///
     /// # Errors
     /// As [`Network::plan`].
-    pub fn plan_within(&self, height: usize, width: usize, bytes: u64) -> Result<Plan, ForwardError> {
-        Plan::new(self.clone(), [height, width], bytes)
+    pub fn plan_within(&self, height: usize, width: usize, bytes: u64) -> Result<CpuPlan, ForwardError> {
+        CpuPlan::new(self.clone(), [height, width], bytes)
     }
 
     /// The network's image, `[output channels, height, width]`, of an input

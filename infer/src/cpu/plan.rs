@@ -2,9 +2,9 @@
 
 use super::conv;
 use super::operand::{Image, Operand};
-use super::{Network, Stage, conv_shape, correction, filter};
+use super::{Network, PackedLayer, conv_shape, correction, filter};
 use crate::forward::{ForwardError, Tile, Tiling};
-use crate::{Activation, Head, Source};
+use crate::{Activation, BlockSource, Head};
 use deepshade_shaders::Planes;
 use std::borrow::Cow;
 use web_time::Instant;
@@ -14,7 +14,7 @@ pub const MOST_BYTES: u64 = 1 << 30;
 
 /// A network on images of one size.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct CpuPlan {
     network: Network,
     size: [usize; 2],
     tiling: Tiling,
@@ -23,17 +23,19 @@ pub struct Plan {
     maps: Vec<Vec<f32>>,
 }
 
-impl Plan {
+impl CpuPlan {
     pub(super) fn new(network: Network, size: [usize; 2], most: u64) -> Result<Self, ForwardError> {
         let [height, width] = size;
-        let length = |stage: &Stage, frame| conv_shape(&stage.layer, frame).made();
-        let bytes = |frame| network.stages.iter().map(|stage| 4 * length(stage, frame) as u64).sum::<u64>();
+        let length = |packed: &PackedLayer, frame| conv_shape(&packed.layer, frame).made();
+        let bytes =
+            |frame| network.packed_layers.iter().map(|packed| 4 * length(packed, frame) as u64).sum::<u64>();
         let memory = ForwardError::Memory { width, height, limit: most };
         if height == 0 || width == 0 {
             return Err(memory);
         }
         let tiling = Tiling::new(&network.spec, size, |frame| bytes(frame) <= most).ok_or(memory)?;
-        let maps = network.stages.iter().map(|stage| vec![0.0; length(stage, tiling.frame)]).collect();
+        let maps =
+            network.packed_layers.iter().map(|packed| vec![0.0; length(packed, tiling.frame)]).collect();
         let last_level = network.spec.last_level();
         Ok(Self { network, size, tiling, last_level, maps })
     }
@@ -87,12 +89,12 @@ impl Plan {
         if self.tiling.tiles.len() > 1 {
             return Ok(None);
         }
-        let made = |(stage, map): (&Stage, &Vec<f32>)| {
-            let [height, width] = self.tiling.frame.map(|size| size >> stage.layer.level);
-            let planes = Planes::from_data(stage.layer.outputs, height, width, map.clone());
-            Activation { layer: stage.layer.name.clone(), planes }
+        let made = |(packed, map): (&PackedLayer, &Vec<f32>)| {
+            let [height, width] = self.tiling.frame.map(|size| size >> packed.layer.level);
+            let planes = Planes::from_data(packed.layer.outputs, height, width, map.clone());
+            Activation { layer: packed.layer.name.clone(), planes }
         };
-        let mut made: Vec<Activation> = self.network.stages.iter().zip(&self.maps).map(made).collect();
+        let mut made: Vec<Activation> = self.network.packed_layers.iter().zip(&self.maps).map(made).collect();
         made.iter_mut().next_back().into_iter().for_each(|last| last.planes = image.clone());
         Ok(Some(made))
     }
@@ -106,7 +108,7 @@ impl Plan {
     /// If the input is of another size than the plan.
     pub fn layer_times(&mut self, input: &Planes) -> Result<Vec<(String, f64)>, ForwardError> {
         self.check(input)?;
-        let names = self.network.stages.iter().map(|stage| stage.layer.name.clone());
+        let names = self.network.packed_layers.iter().map(|packed| packed.layer.name.clone());
         let mut times: Vec<(String, f64)> = names.map(|name| (name, 0.0)).collect();
         let mut made = self.last_map();
         for tile in 0..self.tiling.tiles.len() {
@@ -149,28 +151,28 @@ impl Plan {
     }
 
     fn run_layer(&mut self, index: usize, input: &Planes) {
-        let Network { spec, stages } = &self.network;
-        let stage = &stages[index];
+        let Network { spec, packed_layers } = &self.network;
+        let packed = &packed_layers[index];
         let frame = self.tiling.frame;
         let (made, rest) = self.maps.split_at_mut(index);
         let map = |of: usize| {
-            let [height, width] = frame.map(|size| size >> stages[of].layer.level);
-            Image { data: &made[of], channels: stages[of].layer.outputs, height, width }
+            let [height, width] = frame.map(|size| size >> packed_layers[of].layer.level);
+            Image { data: &made[of], channels: packed_layers[of].layer.outputs, height, width }
         };
         let (channels, height, width) = (input.channels(), input.height(), input.width());
         let input = Image { data: input.data(), channels, height, width };
-        let operand = match stage.layer.source {
-            Source::Input => Operand::Plain(input),
-            Source::Folded => Operand::Folded(input),
-            Source::Plain(from) => Operand::Plain(map(from)),
-            Source::Pooled(from) => Operand::Pooled(map(from)),
-            Source::Joined { coarse, skip, .. } => {
-                Operand::Joined { coarse: map(coarse), fine: map(skip), order: Cow::Borrowed(&stage.order) }
+        let operand = match packed.layer.source {
+            BlockSource::Input => Operand::Plain(input),
+            BlockSource::Folded => Operand::Folded(input),
+            BlockSource::Plain(from) => Operand::Plain(map(from)),
+            BlockSource::Pooled(from) => Operand::Pooled(map(from)),
+            BlockSource::Joined { coarse, skip, .. } => {
+                Operand::Joined { coarse: map(coarse), fine: map(skip), order: Cow::Borrowed(&packed.order) }
             }
         };
-        let leak = if stage.layer.activation { spec.leak } else { 1.0 };
-        let shape = conv_shape(&stage.layer, frame);
-        conv::forward(shape, &operand, &stage.weights, &stage.bias, leak, &mut rest[0]);
+        let leak = if packed.layer.activation { spec.leak } else { 1.0 };
+        let shape = conv_shape(&packed.layer, frame);
+        conv::forward(shape, &operand, &packed.weights, &packed.bias, leak, &mut rest[0]);
     }
 
     /// Copies what a tile makes out of the last layer's map.

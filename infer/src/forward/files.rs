@@ -8,7 +8,7 @@ use super::maps::{self, MapId};
 use super::packing::{BLOCK, Packed};
 use super::{ForwardError, Options, Precision, Shape, Variant, io};
 use super::{head, kernel};
-use crate::{Layer, Model, NetSpec, Source};
+use crate::{BlockSource, Layer, Model, NetSpec};
 use deepshade_shaders::wgsl::TILE;
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, WORKGROUP, Writing};
 use deepshade_shaders::wgsl::uniforms::NetLayer;
@@ -104,7 +104,7 @@ fn pass(spec: &NetSpec, layers: &[Layer], index: usize, shape: Shape, packed: &P
     // Of the planar buffer that is read or written; between them layers have maps alone.
     let channels = match (layer.activation, layer.source) {
         (false, _) => spec.last_channels(),
-        (true, Source::Input | Source::Folded) => spec.input_channels(),
+        (true, BlockSource::Input | BlockSource::Folded) => spec.input_channels(),
         (true, _) => 0,
     };
     let sources = maps::read_by(layer);
@@ -172,11 +172,11 @@ fn head_passes(spec: &NetSpec) -> Vec<(String, String, Value)> {
 fn heading(layers: &[Layer], index: usize) -> String {
     let layer = &layers[index];
     let reads = match layer.source {
-        Source::Input => "the network's input".to_owned(),
-        Source::Folded => "the network's input, the pixels of squares of four as channels".to_owned(),
-        Source::Plain(of) => format!("what `{}` makes", layers[of].name),
-        Source::Pooled(of) => format!("the 2x2 means of what `{}` makes", layers[of].name),
-        Source::Joined { coarse, skip, .. } => format!(
+        BlockSource::Input => "the network's input".to_owned(),
+        BlockSource::Folded => "the network's input, the pixels of squares of four as channels".to_owned(),
+        BlockSource::Plain(of) => format!("what `{}` makes", layers[of].name),
+        BlockSource::Pooled(of) => format!("the 2x2 means of what `{}` makes", layers[of].name),
+        BlockSource::Joined { coarse, skip, .. } => format!(
             "what `{}` makes, doubled bilinearly, and what `{}` makes",
             layers[coarse].name, layers[skip].name
         ),

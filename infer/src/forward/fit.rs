@@ -1,8 +1,8 @@
 //! Whether an image's feature maps, and what a head works on, have room on a device, and in which tiles.
 
+use super::map_layout::{MapLayout, SizedMap};
 use super::maps;
 use super::packing::BLOCK;
-use super::room::{Room, SizedMap};
 use super::tiles::Tiling;
 use super::{ForwardError, InputKind, Network, OutputKind, Precision, Variant};
 use crate::Layer;
@@ -13,7 +13,7 @@ use deepshade_shaders::wgsl::TILE;
 const LEAST: u64 = 1 << 20;
 
 /// The largest tiles of an image of `[height, width]` with which all takes at most that many bytes and for
-/// which `make` gets memory for their frame, maps and room, and what it makes. Where the device has too
+/// which `make` gets memory for their frame, maps and layout, and what it makes. Where the device has too
 /// little left, half as much is tried.
 ///
 /// # Errors
@@ -23,7 +23,7 @@ pub fn largest<T>(
     network: &Network,
     size: [usize; 2],
     mut limit: u64,
-    mut make: impl FnMut([usize; 2], Vec<SizedMap>, Room) -> Result<T, GpuError>,
+    mut make: impl FnMut([usize; 2], Vec<SizedMap>, MapLayout) -> Result<T, GpuError>,
 ) -> Result<(Tiling, T), ForwardError> {
     loop {
         let [height, width] = size;
@@ -32,9 +32,9 @@ pub fn largest<T>(
             return Err(too_little);
         };
         let maps = sized_maps(network, tiling.frame);
-        let room = room(network, &maps).ok_or(too_little)?;
-        let half = bytes(network, size, tiling.frame, &room) / 2;
-        match make(tiling.frame, maps, room) {
+        let layout = layout(network, &maps).ok_or(too_little)?;
+        let half = bytes(network, size, tiling.frame, &layout) / 2;
+        match make(tiling.frame, maps, layout) {
             Err(GpuError::Memory { .. }) if half >= LEAST => limit = half,
             made => return Ok((tiling, made?)),
         }
@@ -44,7 +44,7 @@ pub fn largest<T>(
 /// The maps of a network whose frame on level 0 has that size.
 pub fn sized_maps(network: &Network, frame: [usize; 2]) -> Vec<SizedMap> {
     let sized = |map: maps::Map| SizedMap {
-        blocks: map.channels.next_multiple_of(network.stages[map.born].outputs) / BLOCK,
+        blocks: map.channels.next_multiple_of(network.device_layers[map.born].outputs) / BLOCK,
         frame: frame.map(|size| size >> map.level),
         map,
     };
@@ -52,21 +52,21 @@ pub fn sized_maps(network: &Network, frame: [usize; 2]) -> Vec<SizedMap> {
 }
 
 /// Where they lie; none if one is beyond the device's limits.
-pub fn room(network: &Network, maps: &[SizedMap]) -> Option<Room> {
+pub fn layout(network: &Network, maps: &[SizedMap]) -> Option<MapLayout> {
     let scalar = match network.precision {
         Precision::F32 => 4,
         Precision::F16 => 2,
     };
     match network.variant {
-        Variant::Software => Some(Room::in_textures(maps)),
-        Variant::Gpu(_) => Room::in_arena(maps, scalar, &network.device.limits()),
+        Variant::Software => Some(MapLayout::in_textures(maps)),
+        Variant::Gpu(_) => MapLayout::in_arena(maps, scalar, &network.device.limits()),
     }
 }
 
-/// Bytes of an image's run in tiles of that frame, whose maps have that room.
-fn bytes(network: &Network, size: [usize; 2], frame: [usize; 2], room: &Room) -> u64 {
+/// Bytes of an image's run in tiles of that frame, whose maps lie so.
+fn bytes(network: &Network, size: [usize; 2], frame: [usize; 2], layout: &MapLayout) -> u64 {
     let [kernels, pyramid] = head_bytes(network, size, frame);
-    room.bytes() + kernels + pyramid
+    layout.bytes() + kernels + pyramid
 }
 
 /// Of those the ones of a head: of a tile's kernels, and of the image's pyramid.
@@ -84,7 +84,7 @@ pub fn fits(network: &Network, size: [usize; 2], frame: [usize; 2], most: u64) -
     !(textures && frame.into_iter().any(|size| size > side))
         && dispatches(&limits, frame)
         && kernels <= limits.max_storage_buffer_binding_size
-        && room(network, &maps).is_some_and(|room| bytes(network, size, frame, &room) <= most)
+        && layout(network, &maps).is_some_and(|layout| bytes(network, size, frame, &layout) <= most)
 }
 
 /// Whether a device dispatches enough workgroups for a frame; no pass has any that make fewer than [`TILE`]
@@ -145,9 +145,9 @@ mod tests {
     fn with_left(
         left: u64,
         tried: &mut Vec<u64>,
-    ) -> impl FnMut([usize; 2], Vec<SizedMap>, Room) -> Result<u64, GpuError> {
-        move |_, _, room| {
-            let bytes = room.bytes();
+    ) -> impl FnMut([usize; 2], Vec<SizedMap>, MapLayout) -> Result<u64, GpuError> {
+        move |_, _, layout| {
+            let bytes = layout.bytes();
             tried.push(bytes);
             let label = "maps".to_owned();
             if bytes <= left { Ok(bytes) } else { Err(GpuError::Memory { label, bytes }) }
@@ -187,8 +187,8 @@ mod tests {
             check_size(&network, size[0], size[1]).expect("no buffer of the whole image is too large");
             let most = 400_000_000;
             let mut taken = 0;
-            let make = |frame, _, room: Room| {
-                taken = bytes(&network, size, frame, &room);
+            let make = |frame, _, layout: MapLayout| {
+                taken = bytes(&network, size, frame, &layout);
                 Ok(())
             };
             let (tiling, ()) = largest(&network, size, most, make).expect("in tiles");

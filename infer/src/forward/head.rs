@@ -2,7 +2,7 @@
 //! image, and what a tile keeps of the image, made of it by what the tile's last block has left.
 
 use super::io;
-use super::recording::Told;
+use super::recording::TileUniform;
 use super::tiles::Tile;
 use super::{ForwardError, Input, InputKind, Options, Output};
 use crate::{NetSpec, spec};
@@ -27,7 +27,7 @@ pub struct Passes {
 
 /// What they work on, for images of one size.
 #[derive(Debug)]
-pub struct Room {
+pub struct HeadBuffers {
     /// What the last block makes of a tile, planar, of the tile's frame on the block's level.
     pub kernels: Buffer,
     /// The estimate, and level after level.
@@ -82,39 +82,39 @@ impl Passes {
     }
 
     /// Room for images of `[height, width]` in tiles of a frame, each `[rows, columns]`.
-    pub fn room(
+    pub fn buffers(
         &self,
         device: &Device,
         spec: &NetSpec,
         size: [usize; 2],
         tile: [usize; 2],
-    ) -> Result<Room, GpuError> {
+    ) -> Result<HeadBuffers, GpuError> {
         let frame = size.map(|size| size.next_multiple_of(spec.alignment()));
         let tile = tile.map(|size| size >> spec.last_level());
         let kernels = gpu::empty::<f32>(device, "net.kernels", spec.last_channels() * tile[0] * tile[1])?;
         let numbers = self.head.pyramid_numbers(frame);
         let pyramid = (numbers > 0).then(|| gpu::empty::<f32>(device, "net.pyramid", numbers)).transpose()?;
-        Ok(Room { kernels, pyramid, size, frame, tile })
+        Ok(HeadBuffers { kernels, pyramid, size, frame, tile })
     }
 
     /// The passes that make the pyramid of `input`, and what the first of them is told.
     pub fn bind_pyramid(
         &self,
         device: &Device,
-        room: &Room,
+        buffers: &HeadBuffers,
         input: Input<'_>,
-    ) -> Result<(Vec<Bound>, Option<Told>), GpuError> {
-        let (Some(light), Some(pyramid)) = (&self.light, &room.pyramid) else {
+    ) -> Result<(Vec<Bound>, Option<TileUniform>), GpuError> {
+        let (Some(light), Some(pyramid)) = (&self.light, &buffers.pyramid) else {
             return Ok((Vec::new(), None));
         };
         let workgroups = |level: usize| {
-            let [height, width] = room.frame.map(|size| size >> level);
+            let [height, width] = buffers.frame.map(|size| size >> level);
             gpu::groups(height, width, TILE)
         };
-        let (light, told) = self.bind_light(device, light, pyramid, room, input)?;
+        let (light, told) = self.bind_light(device, light, pyramid, buffers, input)?;
         let mut bound = vec![(light, workgroups(0))];
         for (level, pass) in (1..).zip(&self.halve) {
-            let uniform = gpu::uniform(device, "net.halve", &room.uniform(level))?;
+            let uniform = gpu::uniform(device, "net.halve", &buffers.uniform(level))?;
             let resources = [(0, uniform.as_entire_binding()), (3, pyramid.as_entire_binding())];
             bound.push((pass.bind_at(device, resources)?, workgroups(level)));
         }
@@ -125,15 +125,15 @@ impl Passes {
     pub fn bind_image(
         &self,
         device: &Device,
-        room: &Room,
+        buffers: &HeadBuffers,
         tile: &Tile,
         output: Output<'_>,
     ) -> Result<Bound, GpuError> {
-        let [channels, stride] = room.tile.map(|size| size as u32);
-        let told = NetLayer { channels, stride, ..tile.placed(room.uniform(0)) };
+        let [channels, stride] = buffers.tile.map(|size| size as u32);
+        let told = NetLayer { channels, stride, ..tile.placed(buffers.uniform(0)) };
         let uniform = gpu::uniform(device, "net.image", &told)?;
-        let mut resources = vec![(0, uniform.as_entire_binding()), (1, room.kernels.as_entire_binding())];
-        resources.extend(room.pyramid.iter().map(|pyramid| (2, pyramid.as_entire_binding())));
+        let mut resources = vec![(0, uniform.as_entire_binding()), (1, buffers.kernels.as_entire_binding())];
+        resources.extend(buffers.pyramid.iter().map(|pyramid| (2, pyramid.as_entire_binding())));
         resources.push((3, output.binding()));
         let image = self.image.bind_at(device, resources)?;
         let [rows, columns] = &tile.keep;
@@ -145,11 +145,15 @@ impl Passes {
         device: &Device,
         light: &Pass,
         pyramid: &Buffer,
-        room: &Room,
+        buffers: &HeadBuffers,
         input: Input<'_>,
-    ) -> Result<(BoundPass, Told), GpuError> {
-        let told =
-            Told::new(device, "net.light", input, NetLayer { channels: self.inputs, ..room.uniform(0) })?;
+    ) -> Result<(BoundPass, TileUniform), GpuError> {
+        let told = TileUniform::new(
+            device,
+            "net.light",
+            input,
+            NetLayer { channels: self.inputs, ..buffers.uniform(0) },
+        )?;
         let mut resources = vec![(0, told.binding()), (3, pyramid.as_entire_binding())];
         resources.extend(input.bindings());
         Ok((light.bind_at(device, resources)?, told))
@@ -164,7 +168,7 @@ impl Passes {
     }
 }
 
-impl Room {
+impl HeadBuffers {
     /// All bytes.
     pub fn bytes(&self) -> u64 {
         self.kernels.size() + self.pyramid.as_ref().map_or(0, Buffer::size)

@@ -5,7 +5,7 @@ use super::io::{self, InputKind};
 use super::maps::has_means;
 use super::packing::BLOCK;
 use super::{ForwardError, Options, Precision};
-use crate::{Layer, NetSpec, Source};
+use crate::{BlockSource, Layer, NetSpec};
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
 
 /// The kernel of the layer of that index, of that shape; its weights are
@@ -33,18 +33,18 @@ pub fn convolution(
 
 fn reading(spec: &NetSpec, layer: &Layer, options: &Options<'_>) -> Reading {
     match (layer.source, options.input) {
-        (Source::Input | Source::Folded, InputKind::Buffer) => Reading::Planes,
-        (Source::Input | Source::Folded, InputKind::Textures) => {
+        (BlockSource::Input | BlockSource::Folded, InputKind::Buffer) => Reading::Planes,
+        (BlockSource::Input | BlockSource::Folded, InputKind::Textures) => {
             Reading::Textures(io::texture_channels(spec))
         }
-        (Source::Plain(_) | Source::Pooled(_), _) => Reading::Map,
-        (Source::Joined { .. }, _) => Reading::Joined,
+        (BlockSource::Plain(_) | BlockSource::Pooled(_), _) => Reading::Map,
+        (BlockSource::Joined { .. }, _) => Reading::Joined,
     }
 }
 
 /// Blocks of four channels of the network's input, where a layer reads it space to depth.
 fn folded(spec: &NetSpec, layer: &Layer) -> Option<u32> {
-    (layer.source == Source::Folded).then(|| spec.input_channels().div_ceil(BLOCK) as u32)
+    (layer.source == BlockSource::Folded).then(|| spec.input_channels().div_ceil(BLOCK) as u32)
 }
 
 fn writing(

@@ -1,6 +1,6 @@
 //! Which feature maps a network has between its layers, and when each is needed.
 
-use crate::{Layer, Source};
+use crate::{BlockSource, Layer};
 
 /// What a layer leaves for later ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,16 +38,16 @@ impl MapId {
 /// What a layer reads.
 pub fn read_by(layer: &Layer) -> Vec<MapId> {
     match layer.source {
-        Source::Input | Source::Folded => Vec::new(),
-        Source::Plain(from) => vec![MapId::Made(from)],
-        Source::Pooled(from) => vec![MapId::Means(from)],
-        Source::Joined { coarse, skip, .. } => vec![MapId::Made(coarse), MapId::Made(skip)],
+        BlockSource::Input | BlockSource::Folded => Vec::new(),
+        BlockSource::Plain(from) => vec![MapId::Made(from)],
+        BlockSource::Pooled(from) => vec![MapId::Means(from)],
+        BlockSource::Joined { coarse, skip, .. } => vec![MapId::Made(coarse), MapId::Made(skip)],
     }
 }
 
 /// Whether a layer below reads the means of what the layer of that index makes.
 pub fn has_means(layers: &[Layer], index: usize) -> bool {
-    layers.iter().any(|layer| layer.source == Source::Pooled(index))
+    layers.iter().any(|layer| layer.source == BlockSource::Pooled(index))
 }
 
 /// All maps of a network in the order in which they are written. The last layer makes the image instead of

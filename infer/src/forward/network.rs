@@ -1,7 +1,7 @@
 //! A network on a device.
 
+use super::device_layer::{DeviceLayer, LayerCompiler};
 use super::head;
-use super::stage::{Stage, Stages};
 use super::{ForwardError, InputKind, OutputKind, Plan, Precision, Shape, Variant, limits, variant};
 use crate::{Layer, NetSpec, Weights};
 use deepshade_shaders::gpu::PipelineCache;
@@ -14,7 +14,7 @@ pub struct Network {
     pub(super) device: wgpu::Device,
     pub(super) spec: NetSpec,
     pub(super) layers: Vec<Layer>,
-    pub(super) stages: Vec<Stage>,
+    pub(super) device_layers: Vec<DeviceLayer>,
     pub(super) head: Option<head::Passes>,
     pub(super) variant: Variant,
     pub(super) precision: Precision,
@@ -93,16 +93,16 @@ impl Network {
         check(device, spec, variant, options)?;
         limits::check(&device.limits(), spec, variant, options)?;
         let layers = spec.layers();
-        let mut stages = Stages { device, spec, weights, options, compiled: HashMap::new() };
-        let stage = |(index, layer)| match variant {
-            Variant::Software => stages.software(index, layer),
-            Variant::Gpu(shapes) => stages.gpu(index, layer, shapes[index]),
+        let mut compiler = LayerCompiler { device, spec, weights, options, compiled: HashMap::new() };
+        let compiled = |(index, layer)| match variant {
+            Variant::Software => compiler.software(index, layer),
+            Variant::Gpu(shapes) => compiler.gpu(index, layer, shapes[index]),
         };
-        let stages = layers.iter().enumerate().map(stage).collect::<Result<_, _>>()?;
+        let device_layers = layers.iter().enumerate().map(compiled).collect::<Result<_, _>>()?;
         let head = head::Passes::new(device, spec, options)?;
         let (device, spec, variant) = (device.clone(), spec.clone(), variant.clone());
         let Options { input, output, precision, .. } = *options;
-        Ok(Self { device, spec, layers, stages, head, variant, precision, input, output })
+        Ok(Self { device, spec, layers, device_layers, head, variant, precision, input, output })
     }
 
     /// The network's spec.

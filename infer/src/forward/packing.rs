@@ -4,7 +4,7 @@
 //! groups become a range of blocks of inputs for each block of outputs. Where they do not fall on whole
 //! blocks, zeros fill up.
 
-use crate::{Layer, LayerWeights, NetSpec, Source};
+use crate::{BlockSource, Layer, LayerWeights, NetSpec};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
@@ -50,11 +50,11 @@ impl Packed {
         let layers = spec.layers();
         let layer = &layers[index];
         let order = match layer.source {
-            Source::Folded => folded_order(spec.input_channels()),
+            BlockSource::Folded => folded_order(spec.input_channels()),
             _ => layer.read_order(&layers),
         };
         let split = match layer.source {
-            Source::Joined { coarse, .. } => layers[coarse].outputs,
+            BlockSource::Joined { coarse, .. } => layers[coarse].outputs,
             _ => order.iter().max().map_or(0, |last| last + 1),
         };
         let mut positions = vec![None; order.iter().max().map_or(0, |last| last + 1)];

@@ -1,9 +1,9 @@
 //! A network on images of one size.
 
+use super::device_layer::{DeviceLayer, OutputBlocks};
 use super::fit::{check_size, largest};
 use super::head;
 use super::maps::{self, MapId};
-use super::stage::{Stage, StagePart};
 use super::storage::Storage;
 use super::tiles::Tile;
 use super::{ForwardError, Input, InputKind, Network, Output, OutputKind, Recording};
@@ -22,15 +22,15 @@ pub struct Plan {
     pub(super) size: [usize; 2],
     pub(super) tiles: Vec<Tile>,
     pub(super) storage: Storage,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<TileDispatch>,
     /// What makes the image of what the last block makes of a tile, where that is not the image.
-    pub(super) head: Option<(head::Passes, head::Room)>,
+    pub(super) head: Option<(head::Passes, head::HeadBuffers)>,
     weights: u64,
 }
 
 /// One dispatch of a tile.
 #[derive(Debug)]
-pub struct Step {
+pub struct TileDispatch {
     /// Index of its layer.
     pub layer: usize,
     /// Whether it reads the caller's input and makes what the caller gets, or the head.
@@ -76,8 +76,8 @@ impl Plan {
         limit: u64,
     ) -> Result<Self, ForwardError> {
         check_size(network, height, width)?;
-        let (tiling, (storage, head)) = largest(network, [height, width], limit, |frame, maps, room| {
-            let storage = Storage::new(&network.device, maps, room, network.precision)?;
+        let (tiling, (storage, head)) = largest(network, [height, width], limit, |frame, maps, layout| {
+            let storage = Storage::new(&network.device, maps, layout, network.precision)?;
             Ok((storage, head_of(network, [height, width], frame)?))
         })?;
         let mut plan = Self {
@@ -89,11 +89,11 @@ impl Plan {
             tiles: tiling.tiles,
             steps: Vec::new(),
             head,
-            weights: network.stages.iter().map(|stage| stage.bytes).sum(),
+            weights: network.device_layers.iter().map(|device_layer| device_layer.bytes).sum(),
         };
-        for (index, stage) in network.stages.iter().enumerate() {
-            for part in &stage.parts {
-                let step = plan.step(network, tiling.frame, index, stage, part)?;
+        for (index, device_layer) in network.device_layers.iter().enumerate() {
+            for part in &device_layer.parts {
+                let step = plan.step(network, tiling.frame, index, device_layer, part)?;
                 plan.steps.push(step);
             }
         }
@@ -102,7 +102,7 @@ impl Plan {
 
     /// Memory of the device that runs take.
     pub fn bytes(&self) -> Bytes {
-        let head = self.head.as_ref().map_or(0, |(_, room)| room.bytes());
+        let head = self.head.as_ref().map_or(0, |(_, buffers)| buffers.bytes());
         Bytes { activations: self.storage.bytes() + head, weights: self.weights }
     }
 
@@ -159,10 +159,10 @@ impl Plan {
         network: &Network,
         frame: [usize; 2],
         index: usize,
-        stage: &Stage,
-        part: &StagePart,
-    ) -> Result<Step, ForwardError> {
-        let layer = &stage.layer;
+        device_layer: &DeviceLayer,
+        part: &OutputBlocks,
+    ) -> Result<TileDispatch, ForwardError> {
+        let layer = &device_layer.layer;
         let [rows, columns] = frame.map(|size| (size >> layer.level) as u32);
         let callers = [layer.source.is_input(), !layer.activation];
         let channels = if callers[1] { self.spec.last_channels() } else { self.spec.input_channels() };
@@ -173,15 +173,15 @@ impl Plan {
             image_height: self.size[0] as u32,
             channels: channels as u32,
             first: part.first as u32,
-            stride: stage.stride as u32,
+            stride: device_layer.stride as u32,
             leak: self.spec.leak,
             ..bytemuck::Zeroable::zeroed()
         };
-        let [x, y] = stage.tile;
+        let [x, y] = device_layer.tile;
         let workgroups = [columns.div_ceil(x), rows.div_ceil(y), part.count as u32];
         let (reads, weights) = (part.reads.clone(), part.weights.clone());
-        let open = Kernel::Open { pass: stage.pass.clone(), reads, weights };
-        let mut step = Step { layer: index, callers, uniform, workgroups, kernel: open };
+        let open = Kernel::Open { pass: device_layer.pass.clone(), reads, weights };
+        let mut step = TileDispatch { layer: index, callers, uniform, workgroups, kernel: open };
         if callers == [false; 2] {
             let uniform = gpu::uniform(&network.device, &format!("net.{}", layer.name), &uniform)?;
             step.kernel = Kernel::Bound(self.bound(&network.layers, &step, &uniform, Vec::new())?);
@@ -193,7 +193,7 @@ impl Plan {
     pub(super) fn bound(
         &self,
         layers: &[Layer],
-        step: &Step,
+        step: &TileDispatch,
         uniform: &wgpu::Buffer,
         callers: Vec<(u32, BindingResource<'_>)>,
     ) -> Result<BoundPass, GpuError> {
@@ -219,12 +219,12 @@ impl Plan {
     }
 }
 
-/// The passes of a network's head with their room, for images of a size in tiles of a frame.
+/// The passes of a network's head with their buffers, for images of a size in tiles of a frame.
 fn head_of(
     network: &Network,
     size: [usize; 2],
     frame: [usize; 2],
-) -> Result<Option<(head::Passes, head::Room)>, GpuError> {
+) -> Result<Option<(head::Passes, head::HeadBuffers)>, GpuError> {
     let Some(passes) = &network.head else { return Ok(None) };
-    Ok(Some((passes.clone(), passes.room(&network.device, &network.spec, size, frame)?)))
+    Ok(Some((passes.clone(), passes.buffers(&network.device, &network.spec, size, frame)?)))
 }

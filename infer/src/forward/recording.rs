@@ -1,6 +1,6 @@
 //! A run on certain buffers or textures of the caller's, ready to be recorded.
 
-use super::plan::{Kernel, Plan, Step};
+use super::plan::{Kernel, Plan, TileDispatch};
 use super::tiles::{self, Tile};
 use super::{ForwardError, Input, Output};
 use crate::{Layer, Scaling};
@@ -13,7 +13,7 @@ use wgpu::{BindingResource, Buffer, Device, Queue};
 pub struct Recording {
     dispatches: Vec<Dispatch>,
     /// What kernels are told that read the caller's textures.
-    told: Vec<Told>,
+    told: Vec<TileUniform>,
 }
 
 /// A kernel, and how many workgroups of it run.
@@ -27,7 +27,7 @@ pub(super) struct Dispatch {
 
 /// What a kernel is told that reads the caller's input.
 #[derive(Debug)]
-pub(super) struct Told {
+pub(super) struct TileUniform {
     uniform: Buffer,
     layer: NetLayer,
 }
@@ -39,8 +39,8 @@ impl Recording {
         let layers = plan.spec.layers();
         let last = layers.len() - 1;
         let mut recording = Self { dispatches: Vec::new(), told: Vec::new() };
-        if let Some((passes, room)) = &plan.head {
-            let (bound, told) = passes.bind_pyramid(&plan.device, room, input)?;
+        if let Some((passes, buffers)) = &plan.head {
+            let (bound, told) = passes.bind_pyramid(&plan.device, buffers, input)?;
             recording.told.extend(told);
             recording.dispatches.extend(bound.into_iter().map(|(kernel, workgroups)| Dispatch {
                 layer: last,
@@ -52,8 +52,8 @@ impl Recording {
             for step in &plan.steps {
                 recording.add(plan, &layers, tile, step, input, output)?;
             }
-            if let Some((passes, room)) = &plan.head {
-                let (kernel, workgroups) = passes.bind_image(&plan.device, room, tile, output)?;
+            if let Some((passes, buffers)) = &plan.head {
+                let (kernel, workgroups) = passes.bind_image(&plan.device, buffers, tile, output)?;
                 recording.dispatches.push(Dispatch { layer: last, kernel, workgroups });
             }
         }
@@ -66,7 +66,7 @@ impl Recording {
         plan: &Plan,
         layers: &[Layer],
         tile: &Tile,
-        step: &Step,
+        step: &TileDispatch,
         input: Input<'_>,
         output: Output<'_>,
     ) -> Result<(), ForwardError> {
@@ -74,13 +74,13 @@ impl Recording {
             Kernel::Bound(bound) => bound.clone(),
             Kernel::Open { .. } => {
                 let (made, layer) = match &plan.head {
-                    Some((_, room)) if step.callers[1] => {
-                        (Output::Buffer(&room.kernels), tiles::alone(step.uniform))
+                    Some((_, buffers)) if step.callers[1] => {
+                        (Output::Buffer(&buffers.kernels), tiles::alone(step.uniform))
                     }
                     _ => (output, tile.placed(step.uniform)),
                 };
                 let label = format!("net.{}", layers[step.layer].name);
-                let told = Told::new(&plan.device, &label, input, layer)?;
+                let told = TileUniform::new(&plan.device, &label, input, layer)?;
                 let kernel = plan.bound(layers, step, &told.uniform, callers(step, input, made))?;
                 self.told.extend(step.callers[0].then_some(told));
                 kernel
@@ -94,7 +94,7 @@ impl Recording {
     /// what a renderer changes from frame to frame. Nothing is made anew. A buffer holds what is scaled
     /// already, so that it changes nothing.
     pub fn set_scaling(&self, queue: &Queue, scaling: Scaling) {
-        for Told { uniform, layer } in &self.told {
+        for TileUniform { uniform, layer } in &self.told {
             let Scaling { length: length_scale, light: light_scale } = scaling;
             let layer = NetLayer { length_scale, light_scale, ..*layer };
             queue.write_buffer(uniform, 0, bytemuck::bytes_of(&layer));
@@ -112,7 +112,7 @@ impl Recording {
     }
 }
 
-impl Told {
+impl TileUniform {
     /// Of a kernel that reads `input`: how it is scaled, too.
     pub fn new(device: &Device, label: &str, input: Input<'_>, layer: NetLayer) -> Result<Self, GpuError> {
         let (Scaling { length: length_scale, light: light_scale }, run) = input.scaling();
@@ -135,7 +135,7 @@ fn encode<'a>(dispatches: impl Iterator<Item = &'a Dispatch>, encoder: &mut wgpu
 }
 
 /// What a step binds of the caller's; `made` is where the last convolution writes.
-fn callers<'a>(step: &Step, input: Input<'a>, made: Output<'a>) -> Vec<(u32, BindingResource<'a>)> {
+fn callers<'a>(step: &TileDispatch, input: Input<'a>, made: Output<'a>) -> Vec<(u32, BindingResource<'a>)> {
     let mut resources = if step.callers[0] { input.bindings() } else { Vec::new() };
     if step.callers[1] {
         resources.push((3, made.binding()));

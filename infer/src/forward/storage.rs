@@ -1,8 +1,8 @@
 //! Feature maps on a device.
 
+use super::map_layout::{MapLayout, SizedMap, position};
 use super::maps::MapId;
 use super::packing::BLOCK;
-use super::room::{Room, SizedMap, position};
 use super::{ForwardError, Precision};
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, GpuError};
@@ -13,7 +13,7 @@ use wgpu::BindingResource;
 #[derive(Debug)]
 pub struct Storage {
     maps: Vec<SizedMap>,
-    room: Room,
+    layout: MapLayout,
     precision: Precision,
     textures: Vec<wgpu::Texture>,
     views: Vec<wgpu::TextureView>,
@@ -21,42 +21,42 @@ pub struct Storage {
 }
 
 impl Storage {
-    /// Makes the room.
+    /// Makes what holds the maps.
     pub fn new(
         device: &wgpu::Device,
         maps: Vec<SizedMap>,
-        room: Room,
+        layout: MapLayout,
         precision: Precision,
     ) -> Result<Self, GpuError> {
         let (mut textures, mut buffers) = (Vec::new(), Vec::new());
-        match &room {
-            Room::Textures { sizes, .. } => {
+        match &layout {
+            MapLayout::Textures { sizes, .. } => {
                 for (index, [blocks, rows, columns]) in sizes.iter().enumerate() {
                     let label = format!("net.maps{index}");
                     textures.push(gpu::texture_array(device, &label, *blocks, *rows, *columns)?);
                 }
             }
-            Room::Arena { sizes, .. } => {
+            MapLayout::Arena { sizes, .. } => {
                 for (index, bytes) in sizes.iter().enumerate() {
                     buffers.push(gpu::arena(device, &format!("net.arena{index}"), *bytes)?);
                 }
             }
         }
         let views = textures.iter().map(gpu::array_view).collect();
-        Ok(Self { maps, room, precision, textures, views, buffers })
+        Ok(Self { maps, layout, precision, textures, views, buffers })
     }
 
     /// All bytes.
     pub fn bytes(&self) -> u64 {
-        self.room.bytes()
+        self.layout.bytes()
     }
 
     /// A map, to be bound.
     pub fn binding(&self, id: MapId) -> BindingResource<'_> {
         let index = position(&self.maps, id);
-        match &self.room {
-            Room::Textures { of_map, .. } => BindingResource::TextureView(&self.views[of_map[index]]),
-            Room::Arena { regions, .. } => {
+        match &self.layout {
+            MapLayout::Textures { of_map, .. } => BindingResource::TextureView(&self.views[of_map[index]]),
+            MapLayout::Arena { regions, .. } => {
                 let region = regions[index];
                 BindingResource::Buffer(wgpu::BufferBinding {
                     buffer: &self.buffers[region.buffer],
@@ -75,11 +75,11 @@ impl Storage {
         id: MapId,
     ) -> Result<Planes, ForwardError> {
         let index = position(&self.maps, id);
-        let elements = match &self.room {
-            Room::Textures { of_map, .. } => {
+        let elements = match &self.layout {
+            MapLayout::Textures { of_map, .. } => {
                 gpu::read_texture_array::<f32>(device, queue, &self.textures[of_map[index]])?
             }
-            Room::Arena { regions, .. } => {
+            MapLayout::Arena { regions, .. } => {
                 let region = regions[index];
                 let buffer = &self.buffers[region.buffer];
                 match self.precision {

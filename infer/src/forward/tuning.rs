@@ -1,6 +1,6 @@
 //! Which kernels are the fastest on a device: measured once, remembered in a file.
 
-use super::tuning_file::{Fails, Measured, Timed, TuningFile};
+use super::tuning_file::{Fails, LayerTimes, Timed, TuningFile};
 use super::tuning_key::{keys, network_key};
 use super::variant::shapes;
 use super::{ForwardError, HALF_TOLERANCE, Network, Options, OutputKind, Precision, Shape, Variant};
@@ -64,7 +64,7 @@ impl Tuning {
         let keys = keys(spec, options.precision, size, &self.limits);
         let Some(known) = self.file.devices.get(&self.device) else { return Ok(None) };
         let fails = known.networks.get(&network_key(&keys)).cloned().unwrap_or_default();
-        let layers: Vec<Measured> =
+        let layers: Vec<LayerTimes> =
             keys.iter().map(|key| known.layers.get(key).copied().unwrap_or_default()).collect();
         let fastest: Option<Vec<Timed>> = layers.iter().map(|layer| layer.fastest).collect();
         let fastest = fastest.filter(|_| fails.gpu.is_none());
@@ -156,7 +156,7 @@ impl Tuning {
 
     /// Keeps what was measured of a network's layers. What was measured of them in another network stays
     /// where this one brought nothing.
-    fn remember(&mut self, spec: &NetSpec, precision: Precision, size: [usize; 2], measured: &[Measured]) {
+    fn remember(&mut self, spec: &NetSpec, precision: Precision, size: [usize; 2], measured: &[LayerTimes]) {
         let keys = keys(spec, precision, size, &self.limits);
         let known = self.file.devices.entry(self.device.clone()).or_default();
         let wrong = measured.iter().position(|layer| layer.fastest.is_none());
@@ -189,8 +189,8 @@ struct Trial<'a> {
 impl Trial<'_> {
     /// What is measured of every layer. Kernels that are refused, fail or are wrong are noted; a failure is
     /// an error if nothing else ran.
-    fn layers(&self, notes: &mut Vec<String>) -> Result<Vec<Measured>, ForwardError> {
-        let mut measured = vec![Measured::default(); self.expected.len()];
+    fn layers(&self, notes: &mut Vec<String>) -> Result<Vec<LayerTimes>, ForwardError> {
+        let mut measured = vec![LayerTimes::default(); self.expected.len()];
         let mut failure = None;
         let mut times = |variant: &Variant| {
             self.times(variant, notes).unwrap_or_else(|error| {
@@ -224,7 +224,7 @@ impl Trial<'_> {
                 }
             }
         }
-        match failure.filter(|_| measured.iter().all(|layer| *layer == Measured::default())) {
+        match failure.filter(|_| measured.iter().all(|layer| *layer == LayerTimes::default())) {
             Some(error) => Err(error),
             None => Ok(measured),
         }

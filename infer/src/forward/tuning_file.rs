@@ -26,14 +26,14 @@ pub struct Timed {
 /// What was measured of a layer; nothing says that nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Measured {
+pub struct LayerTimes {
     /// Milliseconds of the software kernel.
     pub software: Option<f64>,
     /// The fastest of the kernels for GPUs.
     pub fastest: Option<Timed>,
 }
 
-impl Measured {
+impl LayerTimes {
     /// Takes what was measured anew. What was not stays.
     pub fn update(&mut self, newer: Self) {
         self.software = newer.software.or(self.software);
@@ -57,7 +57,7 @@ pub struct Fails {
 #[serde(deny_unknown_fields)]
 pub struct Known {
     /// Layers in words, with what was measured of them. Networks share them.
-    pub layers: BTreeMap<String, Measured>,
+    pub layers: BTreeMap<String, LayerTimes>,
     /// Networks that were measured.
     pub networks: BTreeMap<String, Fails>,
 }

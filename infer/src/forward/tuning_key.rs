@@ -1,11 +1,11 @@
 //! What a measured time is of: a layer's kernels on images of about a size.
 
+use super::device_layer::software_source;
 use super::head;
 use super::maps::has_means;
-use super::stage::software_source;
 use super::variant::shapes;
 use super::{Options, OutputKind, Precision, kernel};
-use crate::{NetSpec, Source};
+use crate::{BlockSource, NetSpec};
 
 /// Every layer in words: all that its kernels' times depend on. Its size counts by its power of two, rounded:
 /// kernels that are fastest on a small image need not be on a large one. The sources and the device's limits
@@ -19,11 +19,11 @@ pub fn keys(
     let layers = spec.layers();
     let key = |(index, layer): (usize, &crate::Layer)| {
         let source = match layer.source {
-            Source::Input => "input",
-            Source::Folded => "folded input",
-            Source::Plain(_) => "map",
-            Source::Pooled(_) => "means",
-            Source::Joined { .. } => "joined",
+            BlockSource::Input => "input",
+            BlockSource::Folded => "folded input",
+            BlockSource::Plain(_) => "map",
+            BlockSource::Pooled(_) => "means",
+            BlockSource::Joined { .. } => "joined",
         };
         let kept = match layer.activation {
             true if has_means(&layers, index) => "map and means",
@@ -33,7 +33,7 @@ pub fn keys(
         };
         let power = ((height * width) as f64).log2().round();
         let joined = match layer.source {
-            Source::Joined { groups, .. } => groups,
+            BlockSource::Joined { groups, .. } => groups,
             _ => 1,
         };
         format!(

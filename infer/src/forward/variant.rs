@@ -3,7 +3,7 @@
 use super::head;
 use super::maps::has_means;
 use super::{Options, OutputKind};
-use crate::{Layer, NetSpec, Source};
+use crate::{BlockSource, Layer, NetSpec};
 use deepshade_shaders::wgsl::convolution::{Convolution, Reading, Shape, Writing};
 
 /// How feature maps are kept between layers. Sums and weights are 32-bit floats in either case.
@@ -49,7 +49,7 @@ impl Variant {
     fn gpu_on_software(limits: &wgpu::Limits, spec: &NetSpec, output: OutputKind) -> Self {
         let layers = spec.layers();
         let best = |(shapes, layer): (Vec<Shape>, &Layer)| {
-            let joins = matches!(layer.source, Source::Joined { .. });
+            let joins = matches!(layer.source, BlockSource::Joined { .. });
             let outputs = if joins { 8 } else { 4 };
             let unlike = |shape: &Shape| {
                 let pixels = shape.pixels[0] * shape.pixels[1];

@@ -15,7 +15,7 @@ fn plain(inputs: usize, outputs: usize, groups: usize) -> Layer {
     Layer {
         name: "plain".to_owned(),
         level: 0,
-        source: Source::Input,
+        source: BlockSource::Input,
         kernel: 3,
         inputs,
         outputs,

@@ -9,7 +9,7 @@ pub struct Block {
     /// Its name in files and messages.
     pub name: String,
     /// What it reads.
-    pub reads: Source,
+    pub reads: BlockSource,
     /// Width and height of the kernel; odd.
     pub kernel: usize,
     /// Groups of the convolution.
@@ -31,7 +31,7 @@ const fn is_one(count: &usize) -> bool {
 /// Where a block reads from. Blocks are named by their index in the network's list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum Source {
+pub enum BlockSource {
     /// The network's input.
     Input,
     /// The network's input at half the resolution: the four pixels of a square as channels, space to depth.
@@ -54,7 +54,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl BlockSource {
     /// Indices of the blocks that are read.
     pub fn blocks(self) -> impl Iterator<Item = usize> {
         let [first, second] = match self {
@@ -79,7 +79,7 @@ pub struct Layer {
     /// 0 is full resolution; each further level halves it.
     pub level: usize,
     /// Where it reads from.
-    pub source: Source,
+    pub source: BlockSource,
     /// Width and height of the kernel.
     pub kernel: usize,
     /// Channels read.
@@ -99,11 +99,11 @@ impl Layer {
         let mut layers: Vec<Self> = Vec::with_capacity(blocks.len());
         for (index, block) in blocks.iter().enumerate() {
             let (level, inputs) = match block.reads {
-                Source::Input => (0, input_channels),
-                Source::Folded => (1, 4 * input_channels),
-                Source::Plain(from) => (layers[from].level, layers[from].outputs),
-                Source::Pooled(from) => (layers[from].level + 1, layers[from].outputs),
-                Source::Joined { coarse, skip, .. } => {
+                BlockSource::Input => (0, input_channels),
+                BlockSource::Folded => (1, 4 * input_channels),
+                BlockSource::Plain(from) => (layers[from].level, layers[from].outputs),
+                BlockSource::Pooled(from) => (layers[from].level + 1, layers[from].outputs),
+                BlockSource::Joined { coarse, skip, .. } => {
                     (layers[skip].level, layers[coarse].outputs + layers[skip].outputs)
                 }
             };
@@ -135,7 +135,7 @@ impl Layer {
     /// lies in memory, of two blocks one after the other.
     pub fn read_order(&self, layers: &[Self]) -> Vec<usize> {
         match self.source {
-            Source::Joined { coarse, skip, groups } => {
+            BlockSource::Joined { coarse, skip, groups } => {
                 joined_order(layers[coarse].outputs, layers[skip].outputs, groups)
             }
             _ => (0..self.inputs).collect(),
@@ -165,10 +165,10 @@ mod tests {
     fn a_block_is_written_in_few_words() {
         let block = |reads, groups| Block { name: "a".to_owned(), reads, kernel: 3, groups, outputs: 8 };
         let text = |block: &Block| serde_json::to_string(block).expect("JSON");
-        let first = block(Source::Input, 1);
+        let first = block(BlockSource::Input, 1);
         assert_eq!(text(&first), r#"{"name":"a","reads":"input","kernel":3,"outputs":8}"#);
-        let joined = block(Source::Joined { coarse: 3, skip: 1, groups: 2 }, 2);
-        for block in [first, block(Source::Folded, 1), block(Source::Pooled(2), 4), joined] {
+        let joined = block(BlockSource::Joined { coarse: 3, skip: 1, groups: 2 }, 2);
+        for block in [first, block(BlockSource::Folded, 1), block(BlockSource::Pooled(2), 4), joined] {
             assert_eq!(serde_json::from_str::<Block>(&text(&block)).ok(), Some(block));
         }
     }

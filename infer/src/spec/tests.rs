@@ -6,7 +6,7 @@ const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
 fn correcting() -> NetSpec {
     let inputs = vec![Attribute::Normal, Attribute::Openness, Attribute::RawOpenness];
-    let estimates = vec![Estimate { method: "gtao".to_owned(), quality: "high".to_owned() }];
+    let estimates = vec![AnalyticEstimate { method: "gtao".to_owned(), quality: "high".to_owned() }];
     let correction = Correction {
         of: Attribute::Openness,
         over: Attribute::RawOpenness,
@@ -60,19 +60,25 @@ fn the_papers_network_is_valid_and_absurd_ones_are_named() {
         (block(10, |block| block.groups = 0), "`groups` is 0"),
         (block(10, |block| block.groups = 5), "layer `up0` has 5 groups"),
         (block(1, |block| block.outputs = 5), "layer `down1` has 2 groups"),
-        (block(2, |block| block.reads = Source::Plain(7)), "block `down2` reads a block that comes after it"),
-        (block(0, |block| block.reads = Source::Plain(0)), "block `down0` reads a block that comes after it"),
+        (
+            block(2, |block| block.reads = BlockSource::Plain(7)),
+            "block `down2` reads a block that comes after it",
+        ),
+        (
+            block(0, |block| block.reads = BlockSource::Plain(0)),
+            "block `down0` reads a block that comes after it",
+        ),
         (block(2, |block| block.name = "down1".to_owned()), "block `down1` has no name of its own"),
         (
-            block(6, |block| block.reads = Source::Joined { coarse: 5, skip: 3, groups: 1 }),
+            block(6, |block| block.reads = BlockSource::Joined { coarse: 5, skip: 3, groups: 1 }),
             "block `up4` joins blocks that are not one level apart",
         ),
         (
             block(2, |block| block.name = "../down".to_owned()),
             "block `../down` has a name that is not of up to 64 small letters",
         ),
-        (block(10, |block| block.reads = Source::Input), "block `up0` is the last and reads the input"),
-        (block(8, |block| block.reads = Source::Pooled(6)), "block `up2` pools a block that joins two"),
+        (block(10, |block| block.reads = BlockSource::Input), "block `up0` is the last and reads the input"),
+        (block(8, |block| block.reads = BlockSource::Pooled(6)), "block `up2` pools a block that joins two"),
         (block(10, |block| block.outputs = 2), "the last block makes 2 channels; its head needs 1"),
         (NetSpec { leak: -1.0, ..ao.clone() }, "`leak` is -1"),
         (NetSpec { leak: f32::NAN, ..ao.clone() }, "`leak` is NaN"),

@@ -4,7 +4,7 @@
 //! activation: with it ambient occlusion has 71,089 weights, Table 7.1's 71 k. On a single level that step
 //! reads the way down alone.
 
-use super::{Block, Colour, Head, NetSpec, Source};
+use super::{Block, BlockSource, Colour, Head, NetSpec};
 use crate::Reach;
 use deepshade_shaders::{Attribute, Effect};
 
@@ -64,7 +64,7 @@ impl UNet {
         for level in 0..levels {
             blocks.push(Block {
                 name: format!("down{level}"),
-                reads: if level == 0 { Source::Input } else { Source::Pooled(level - 1) },
+                reads: if level == 0 { BlockSource::Input } else { BlockSource::Pooled(level - 1) },
                 kernel,
                 groups: 1 << level,
                 outputs: u0 << level,
@@ -76,17 +76,18 @@ impl UNet {
             blocks.push(Block { name, reads, kernel, groups: 1 << level, outputs: u0 << level });
         }
         let coarse = blocks.len().saturating_sub(1);
-        let reads = if levels == 1 { Source::Plain(coarse) } else { self.joined(coarse, 0, image_groups) };
+        let reads =
+            if levels == 1 { BlockSource::Plain(coarse) } else { self.joined(coarse, 0, image_groups) };
         blocks.push(Block { name: "up0".to_owned(), reads, kernel, groups: image_groups, outputs: last });
         blocks
     }
 
-    const fn joined(&self, coarse: usize, skip: usize, groups: usize) -> Source {
+    const fn joined(&self, coarse: usize, skip: usize, groups: usize) -> BlockSource {
         let groups = match self.order {
             ChannelOrder::Contiguous => 1,
             ChannelOrder::Interleaved => groups,
         };
-        Source::Joined { coarse, skip, groups }
+        BlockSource::Joined { coarse, skip, groups }
     }
 }
 
@@ -195,7 +196,7 @@ mod tests {
         let aa = NetSpec::published(Effect::Aa, ChannelOrder::Interleaved, REACH).expect("has one");
         let layers: Vec<_> =
             aa.layers().into_iter().map(|l| (l.source, l.inputs, l.outputs, l.activation)).collect();
-        assert_eq!(layers, [(Source::Input, 2, 8, true), (Source::Plain(0), 8, 1, false)]);
+        assert_eq!(layers, [(BlockSource::Input, 2, 8, true), (BlockSource::Plain(0), 8, 1, false)]);
     }
 
     #[test]
@@ -204,7 +205,7 @@ mod tests {
         let last = &layers[10];
         assert_eq!(layers.len(), 11);
         assert_eq!((last.inputs, last.outputs, last.activation), (24, 1, false));
-        assert_eq!(last.source, Source::Joined { coarse: 9, skip: 0, groups: 1 });
+        assert_eq!(last.source, BlockSource::Joined { coarse: 9, skip: 0, groups: 1 });
     }
 
     #[test]

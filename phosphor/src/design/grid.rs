@@ -6,7 +6,7 @@
 //! once.
 
 use super::Rates;
-use super::problem::{Problem, Step};
+use super::problem::{LightStep, Problem};
 use deepshade_glow::spectrum::Bands;
 use rayon::prelude::*;
 
@@ -226,7 +226,7 @@ struct Factors {
 
 impl Light {
     fn new(problem: &Problem) -> Self {
-        let factors = |step: &Step| {
+        let factors = |step: &LightStep| {
             let mut light = [0.0; GROUPS];
             groups(problem.bands).iter().zip(&step.light).for_each(|(group, value)| light[*group] += value);
             Factors {
@@ -288,18 +288,18 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::super::response::{fitted, response};
-    use super::super::{Key, Place};
+    use super::super::{Key, TargetPoint};
     use super::*;
     use deepshade_glow::file::MaterialFile;
 
-    fn place(bands: Bands) -> Place {
+    fn place(bands: Bands) -> TargetPoint {
         let light =
             |frame: usize| (0..bands.count()).map(|band| ((frame * (band + 2)) % 7) as f64 * 0.3).collect();
         let key = |frame: usize| Key {
             frame,
             radiance: (0..bands.count()).map(|band| ((frame + 3 * band) % 5) as f64).collect(),
         };
-        Place {
+        TargetPoint {
             bands,
             dt: 0.4,
             irradiance: (0..60).map(light).collect(),
@@ -312,7 +312,7 @@ mod tests {
     #[test]
     fn responses_are_those_of_the_rate_equation() {
         for bands in [Bands::Rgb, Bands::Eight] {
-            let problem = Problem::new(&[place(bands), Place { dt: 0.7, ..place(bands) }]);
+            let problem = Problem::new(&[place(bands), TargetPoint { dt: 0.7, ..place(bands) }]);
             let grid = Grid::new(&problem);
             for point in Grid::points().step_by(977) {
                 let expected = response(&problem, &grid.rates(point));

@@ -4,21 +4,21 @@
 //! Steps of the rate equation are exact for light that stays the same, so that frames alike, side by side,
 //! are one step.
 
-use super::Place;
+use super::TargetPoint;
 use deepshade_glow::spectrum::Bands;
 
 /// The places that share a material.
 pub struct Problem {
     pub bands: Bands,
     /// A place's steps, from the dark before the first frame to its last key.
-    pub tracks: Vec<Vec<Step>>,
+    pub tracks: Vec<Vec<LightStep>>,
     /// Emission that is wanted, `[bands][keys]`: keys of all places one after the other.
     pub wanted: Vec<Vec<f64>>,
     pub keys: usize,
 }
 
 /// A time in which light stays the same.
-pub struct Step {
+pub struct LightStep {
     /// Irradiance, one value a band.
     pub light: Vec<f64>,
     pub seconds: f64,
@@ -28,7 +28,7 @@ pub struct Step {
 
 impl Problem {
     /// That of places that make sense and have the same bands.
-    pub fn new(places: &[Place]) -> Self {
+    pub fn new(places: &[TargetPoint]) -> Self {
         let mut keys = 0;
         let tracks = places.iter().map(|place| {
             let track = track(place, keys);
@@ -37,7 +37,7 @@ impl Problem {
         });
         let tracks = tracks.collect();
         let bands = places[0].bands;
-        let of_places: Vec<_> = places.iter().map(Place::wanted).collect();
+        let of_places: Vec<_> = places.iter().map(TargetPoint::wanted).collect();
         let of_band = |band: usize| of_places.iter().flat_map(|wanted| wanted[band].clone()).collect();
         Self { bands, tracks, wanted: (0..bands.count()).map(of_band).collect(), keys }
     }
@@ -49,13 +49,13 @@ impl Problem {
 }
 
 /// The steps of a place whose first key has this number.
-fn track(place: &Place, first: usize) -> Vec<Step> {
-    let mut steps: Vec<Step> = Vec::new();
+fn track(place: &TargetPoint, first: usize) -> Vec<LightStep> {
+    let mut steps: Vec<LightStep> = Vec::new();
     for (frame, light) in place.irradiance[..place.last()].iter().enumerate() {
         let key = place.keys.iter().position(|key| key.frame == frame + 1).map(|key| first + key);
         match steps.last_mut().filter(|step| step.key.is_none() && step.light == *light) {
             Some(step) => (step.seconds, step.key) = (step.seconds + place.dt, key),
-            None => steps.push(Step { light: light.clone(), seconds: place.dt, key }),
+            None => steps.push(LightStep { light: light.clone(), seconds: place.dt, key }),
         }
     }
     steps
@@ -71,7 +71,7 @@ mod tests {
         let key = |frame| Key { frame, radiance: vec![1.0; 3] };
         let light = |frame: usize| vec![if frame < 30 { 2.0 } else { 0.0 }; 3];
         let irradiance = (0..100).map(light).collect();
-        let place = Place {
+        let place = TargetPoint {
             bands: Bands::Rgb,
             dt: 0.5,
             irradiance,
@@ -79,7 +79,7 @@ mod tests {
             keys: vec![key(50), key(20), key(0)],
         };
         let problem = Problem::new(&[place.clone(), place]);
-        let shape = |track: &Vec<Step>| -> Vec<(f64, f64, Option<usize>)> {
+        let shape = |track: &Vec<LightStep>| -> Vec<(f64, f64, Option<usize>)> {
             track.iter().map(|step| (step.light[0], step.seconds, step.key)).collect()
         };
         assert_eq!(shape(&problem.tracks[0]), [(2.0, 10.0, Some(1)), (2.0, 5.0, None), (0.0, 10.0, Some(0))]);

@@ -1,7 +1,7 @@
 //! What states of given rates send at the keys, and the re-radiation functions that meet what is wanted best.
 
 use super::Rates;
-use super::problem::{Problem, Step};
+use super::problem::{LightStep, Problem};
 
 /// Re-radiation functions of given rates.
 #[derive(Clone, Debug)]
@@ -77,14 +77,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Rates {
-    fn charge(&self, step: &Step) -> f64 {
+    fn charge(&self, step: &LightStep) -> f64 {
         dot(&step.light, &self.excitation)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Key, Place};
+    use super::super::{Key, TargetPoint};
     use super::*;
     use crate::least_squares::non_negative;
     use crate::noise::Noise;
@@ -107,12 +107,12 @@ mod tests {
         assert!((200..450).contains(&held), "bounds held {held} of 500");
     }
 
-    fn place() -> Place {
+    fn place() -> TargetPoint {
         let light = |frame: usize| [0, 1, 2].map(|band| ((frame / 4 * (band + 2)) % 7) as f64 * 0.3).to_vec();
         let key = |frame| Key { frame, radiance: vec![1.0; 3] };
         let irradiance = (0..60).map(light).collect();
         let keys = vec![key(59), key(3), key(0), key(20)];
-        Place { bands: Bands::Rgb, dt: 0.4, irradiance, reflected: vec![], keys }
+        TargetPoint { bands: Bands::Rgb, dt: 0.4, irradiance, reflected: vec![], keys }
     }
 
     fn rates() -> Rates {

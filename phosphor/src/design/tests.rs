@@ -20,12 +20,12 @@ fn material(bands: Bands, states: Vec<State>) -> Material {
 }
 
 /// A place that should look at some frames as it does with a material.
-fn place(material: &Material, frames: &[usize]) -> Place {
+fn place(material: &Material, frames: &[usize]) -> TargetPoint {
     let bands = material.bands;
     let key = |frame: &usize| Key { frame: *frame, radiance: vec![0.0; bands.count()] };
     let irradiance = animation(bands);
     let reflected = |light: &Vec<f64>| light.iter().map(|light| 0.3 * light / std::f64::consts::PI).collect();
-    let mut place = Place {
+    let mut place = TargetPoint {
         bands,
         dt: 0.25,
         reflected: irradiance.iter().map(reflected).collect(),
@@ -38,7 +38,7 @@ fn place(material: &Material, frames: &[usize]) -> Place {
 }
 
 /// How a place looks at its keys with a material.
-fn seen(material: &Material, place: &Place) -> Vec<Vec<f64>> {
+fn seen(material: &Material, place: &TargetPoint) -> Vec<Vec<f64>> {
     let mut run = Simulation::dark(material);
     let mut seen = vec![Vec::new(); place.keys.len()];
     for (frame, light) in place.irradiance.iter().enumerate() {
@@ -123,9 +123,9 @@ fn feature(x: f64) -> Feature {
 #[test]
 fn places_that_share_a_material_find_it_together() {
     let hidden = one();
-    let dim = |place: Place, by: f64| {
+    let dim = |place: TargetPoint, by: f64| {
         let light = |values: &Vec<f64>| values.iter().zip([1.0, by, by * by]).map(|(a, b)| a * b).collect();
-        Place { irradiance: place.irradiance.iter().map(light).collect(), ..place }
+        TargetPoint { irradiance: place.irradiance.iter().map(light).collect(), ..place }
     };
     let lit = |by: f64, frames: &[usize]| {
         let mut dimmed = dim(place(&hidden, frames), by);
@@ -178,7 +178,7 @@ fn residuals_are_never_above_those_of_the_thesis() {
 #[test]
 fn what_ends_at_a_bound_of_the_search_is_said() {
     let key = |frame, radiance| Key { frame, radiance: vec![radiance; 3] };
-    let place = Place {
+    let place = TargetPoint {
         bands: Bands::Rgb,
         dt: 0.25,
         irradiance: (0..12).map(|frame| vec![f64::from(u8::from(frame < 10)); 3]).collect(),
@@ -208,8 +208,9 @@ fn a_single_key_is_met() {
 #[test]
 fn what_makes_no_sense_is_refused() {
     let good = place(&one(), &[20, 70]);
-    let said = |places: &[Place], states| Design::new("x", places, states).expect_err("a fault").to_string();
-    let fault = |change: &dyn Fn(&mut Place)| {
+    let said =
+        |places: &[TargetPoint], states| Design::new("x", places, states).expect_err("a fault").to_string();
+    let fault = |change: &dyn Fn(&mut TargetPoint)| {
         let mut changed = good.clone();
         change(&mut changed);
         said(&[changed], 1)

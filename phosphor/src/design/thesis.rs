@@ -2,7 +2,7 @@
 
 use super::grid::{Grid, THESIS_STEPS};
 use super::problem::Problem;
-use super::{DesignError, Place, checked};
+use super::{DesignError, TargetPoint, checked};
 use rayon::prelude::*;
 
 /// Re-radiation functions of the thesis' grid: `0.1 2^b`, ten values of `b` from 0 to 9.
@@ -15,7 +15,7 @@ const EMISSION_SCALE: f64 = 0.1;
 ///
 /// # Errors
 /// If a place makes no sense, or they have not the same bands.
-pub fn thesis_grid(places: &[Place]) -> Result<f64, DesignError> {
+pub fn thesis_grid(places: &[TargetPoint]) -> Result<f64, DesignError> {
     checked(places)?;
     let problem = Problem::new(places);
     let grid = Grid::new(&problem);

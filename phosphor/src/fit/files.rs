@@ -47,7 +47,8 @@ impl Measurement {
         let bands = if spectral { Bands::Eight } else { Bands::Rgb };
         let filters =
             if spectral { Curves::read(&folder.join("filters.csv"))?.bands(Axis::EIGHT) } else { vec![] };
-        let mut source = Source { photographs: Photographs::new(folder, exr)?, noise_is_known: true };
+        let mut source =
+            MeasurementFolder { photographs: Photographs::new(folder, exr)?, noise_is_known: true };
         let decay = source.shots(&Table::read(&folder.join("decay.csv"))?, true, &[])?;
         Ok(Self {
             bands,
@@ -141,13 +142,13 @@ fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
 }
 
 /// What is known of a folder while its tables are read.
-struct Source {
+struct MeasurementFolder {
     photographs: Photographs,
     /// Of all tables so far.
     noise_is_known: bool,
 }
 
-impl Source {
+impl MeasurementFolder {
     /// The photographs of a table, whose times ascend if they are of one decay; `own` are the other columns
     /// of a table of its kind.
     fn shots(&mut self, table: &Table, ascending: bool, own: &[&str]) -> Result<Vec<Shot>, FilesError> {
@@ -217,7 +218,11 @@ fn light(folder: &Path, bands: Bands) -> Result<Vec<f64>, TableError> {
     Ok(of_length_one(power))
 }
 
-fn filtered(folder: &Path, filters: usize, source: &mut Source) -> Result<Vec<Filtered>, FilesError> {
+fn filtered(
+    folder: &Path,
+    filters: usize,
+    source: &mut MeasurementFolder,
+) -> Result<Vec<Filtered>, FilesError> {
     let table = Table::read(&folder.join("spectrum.csv"))?;
     let places = table.indices("filter", filters)?;
     Ok(places
@@ -227,7 +232,11 @@ fn filtered(folder: &Path, filters: usize, source: &mut Source) -> Result<Vec<Fi
         .collect())
 }
 
-fn excitation(folder: &Path, bands: Bands, source: &mut Source) -> Result<Vec<Charged>, FilesError> {
+fn excitation(
+    folder: &Path,
+    bands: Bands,
+    source: &mut MeasurementFolder,
+) -> Result<Vec<Charged>, FilesError> {
     let path = folder.join("excitation.csv");
     if !path.exists() {
         return Ok(vec![]);

@@ -27,7 +27,7 @@ pub enum Parameter {
 
 /// A parameter of a material.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Estimate {
+pub struct ParameterEstimate {
     /// Of which state, from 0 on.
     pub state: usize,
     /// Which.
@@ -40,7 +40,7 @@ pub struct Estimate {
 
 /// Estimates of a material's parameters, states from the fastest to the slowest, from the solver's unknowns
 /// within their bounds and from those without.
-pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Vec<Estimate> {
+pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Vec<ParameterEstimate> {
     let measured = prediction.measurement.measured_bands();
     // Nothing was fitted to what no measurement depends on.
     let unmeasured = prediction.measurement.excited_bands() - measured.len();
@@ -56,7 +56,7 @@ pub fn estimates(prediction: &Prediction, bounded: &[f64], free: &Minimum) -> Ve
     let mut estimates = Vec::new();
     for (place, state) in by_rate(&held).into_iter().enumerate() {
         let mut add = |parameter, value: f64, interval: [f64; 2]| {
-            estimates.push(Estimate { state: place, parameter, value, interval });
+            estimates.push(ParameterEstimate { state: place, parameter, value, interval });
         };
         let about = |centre: f64, slope: Vec<f64>| {
             let off = reach * deviation(&free.covariance, &slope);

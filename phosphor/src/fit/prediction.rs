@@ -9,7 +9,7 @@ use crate::least_squares::Unknown;
 
 /// Which measurement a value is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum MeasurementKind {
     /// The decay.
     Decay,
     /// The decay through a filter.
@@ -143,7 +143,7 @@ impl<'a> Prediction<'a> {
 
     /// Goes through all photographs, each with its part, its filter or band and its seconds, and what it
     /// should show.
-    fn visit(&self, values: &[f64], mut visit: impl FnMut((Part, usize, f64), &Shot, [f64; 3])) {
+    fn visit(&self, values: &[f64], mut visit: impl FnMut((MeasurementKind, usize, f64), &Shot, [f64; 3])) {
         let unknowns = self.unpacked(values);
         let ones = vec![1.0; unknowns.total.len()];
         let seen = self.seen(&unknowns.total, &ones);
@@ -152,11 +152,11 @@ impl<'a> Prediction<'a> {
             unknowns.decays.iter().zip(&unknowns.parts).map(|(k, part)| part * shot.decayed(*k)).sum()
         };
         for shot in &measurement.decay {
-            visit((Part::Decay, 0, shot.delay), shot, scaled(seen, decayed(shot)));
+            visit((MeasurementKind::Decay, 0, shot.delay), shot, scaled(seen, decayed(shot)));
         }
         for filtered in &measurement.spectrum {
             let seen = self.seen(&unknowns.total, &measurement.filters[filtered.filter]);
-            let of = (Part::Spectrum, filtered.filter, filtered.shot.delay);
+            let of = (MeasurementKind::Spectrum, filtered.filter, filtered.shot.delay);
             visit(of, &filtered.shot, scaled(seen, decayed(&filtered.shot)));
         }
         for charged in &measurement.excitation {
@@ -168,7 +168,7 @@ impl<'a> Prediction<'a> {
             let light = |state: usize| {
                 share(state) * unknowns.parts[state] * charged.shot.decayed(unknowns.decays[state])
             };
-            let of = (Part::Excitation, charged.band, charged.seconds);
+            let of = (MeasurementKind::Excitation, charged.band, charged.seconds);
             visit(of, &charged.shot, scaled(seen, (0..self.states).map(light).sum()));
         }
     }

@@ -101,7 +101,7 @@ fn what_is_not_seen_is_not_known() {
     let mut measurement = Laboratory::thesis().measure(&preset("blue"), 1).expect("a measurement");
     measurement.sensor.iter_mut().for_each(|channel| channel[4] = 0.0);
     let fit = Fit::new("blue", &measurement, 1).expect("a fit");
-    for Estimate { parameter, interval: [low, high], .. } in &fit.estimates {
+    for ParameterEstimate { parameter, interval: [low, high], .. } in &fit.estimates {
         let is_known = *parameter != Parameter::Emission(4);
         assert_eq!(high.is_finite(), is_known, "{parameter:?}: {low} to {high}");
         assert!(is_known || *low == 0.0, "{low}");

@@ -1,7 +1,7 @@
 //! How often intervals hold what is true, and how well fits explain measurements.
 
 use super::SelfTestError;
-use crate::fit::{Estimate, Fit, Laboratory, Parameter};
+use crate::fit::{Fit, Laboratory, Parameter, ParameterEstimate};
 use deepshade_glow::material::Material;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -56,7 +56,7 @@ fn fitted(laboratory: &Laboratory, material: &Material, seed: u64) -> Result<Fit
 }
 
 /// The material's own value of a parameter.
-fn truth(material: &Material, estimate: &Estimate) -> f64 {
+fn truth(material: &Material, estimate: &ParameterEstimate) -> f64 {
     let state = &material.states[estimate.state];
     match estimate.parameter {
         Parameter::Decay => state.decay,

@@ -2,7 +2,7 @@
 
 use super::SelfTestError;
 use crate::difference::ciede2000;
-use crate::fit::{Explained, Fit, Laboratory, Part};
+use crate::fit::{Explained, Fit, Laboratory, MeasurementKind};
 use deepshade_glow::file::MaterialFile;
 use deepshade_glow::material::Material;
 use deepshade_shaders::lists::median;
@@ -74,7 +74,8 @@ fn compared(laboratory: &Laboratory, material: &Material, seed: u64) -> Result<[
 }
 
 fn compare(fit: &Fit) -> Compared {
-    let decay: Vec<&Explained> = fit.values.iter().filter(|value| value.part == Part::Decay).collect();
+    let decay: Vec<&Explained> =
+        fit.values.iter().filter(|value| value.part == MeasurementKind::Decay).collect();
     let photographs: Vec<&[&Explained]> = decay.chunks(3).collect();
     let brightest = photographs[0].iter().map(|value| value.measured).fold(0.0, f64::max);
     let off = |photograph: &[&Explained]| {

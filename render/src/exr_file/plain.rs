@@ -26,7 +26,7 @@ const SEVERAL: u8 = 0b1_0000;
 
 /// What a part truly is.
 #[derive(Clone, Debug, Default)]
-pub struct Truly {
+pub struct PartContents {
     /// Whether its pixels have samples at several depths.
     pub deep: bool,
     /// Of every so many pixels along both axes a channel has one.
@@ -45,7 +45,7 @@ pub struct Plain<'a> {
 ///
 /// # Errors
 /// If the file cannot be read.
-pub fn described(file: &mut File) -> io::Result<(Plain<'_>, Vec<Truly>)> {
+pub fn described(file: &mut File) -> io::Result<(Plain<'_>, Vec<PartContents>)> {
     let mut head = Vec::new();
     let mut length = FIRST;
     loop {
@@ -60,7 +60,7 @@ pub fn described(file: &mut File) -> io::Result<(Plain<'_>, Vec<Truly>)> {
 }
 
 /// The headers in plain words, and what they truly say; none where they make no sense, or are cut off.
-fn plain_headers(head: &[u8]) -> Option<(Vec<u8>, Vec<Truly>)> {
+fn plain_headers(head: &[u8]) -> Option<(Vec<u8>, Vec<PartContents>)> {
     const MAGIC_AND_VERSION: usize = 8;
     let several = head.get(5)? & SEVERAL != 0;
     let mut bytes = head.get(..MAGIC_AND_VERSION)?.to_vec();
@@ -87,18 +87,18 @@ fn header_end(bytes: &[u8], mut at: usize) -> Option<usize> {
 }
 
 /// Where the pieces of an attribute lie: name, zero, type, zero, size of the value, value.
-struct Place {
+struct AttributeSpan {
     name_end: usize,
     value: usize,
     end: usize,
 }
 
-fn attribute(bytes: &[u8], start: usize) -> Option<Place> {
+fn attribute(bytes: &[u8], start: usize) -> Option<AttributeSpan> {
     let name_end = zero(bytes, start)?;
     let size_at = zero(bytes, name_end + 1)? + 1;
     let size = u32::from_le_bytes(*bytes.get(size_at..)?.first_chunk()?) as usize;
     let (value, end) = (size_at + 4, (size_at + 4).checked_add(size)?);
-    (end < bytes.len()).then_some(Place { name_end, value, end })
+    (end < bytes.len()).then_some(AttributeSpan { name_end, value, end })
 }
 
 fn zero(bytes: &[u8], from: usize) -> Option<usize> {
@@ -106,9 +106,9 @@ fn zero(bytes: &[u8], from: usize) -> Option<usize> {
 }
 
 /// A header in plain words, with its zero byte and as long as it was. Attributes may stand in any order.
-fn plain(header: &[u8]) -> Option<(Vec<u8>, Truly)> {
+fn plain(header: &[u8]) -> Option<(Vec<u8>, PartContents)> {
     let mut attributes: Vec<Vec<u8>> = Vec::new();
-    let (mut at, mut longer, mut truly) = (0, 0, Truly::default());
+    let (mut at, mut longer, mut truly) = (0, 0, PartContents::default());
     while header[at] != 0 {
         let place = attribute(header, at)?;
         let (name, value) = (&header[at..place.name_end], &header[place.value..place.end]);

@@ -1,7 +1,7 @@
 //! Reading, also what other programs wrote or damaged.
 
 use super::image::{Channel, ExrImage, Values};
-use super::plain::{self, Truly};
+use super::plain::{self, PartContents};
 use super::windows::{Window, Windows};
 use super::{ExrError, Metadata, blocks, check, names};
 use deepshade_shaders::{Attribute, Planes};
@@ -73,7 +73,7 @@ fn read_where(path: &Path, layer: Option<&str>, wants: Wants<'_>) -> Result<ExrI
 }
 
 /// Headers with the sampling that their channels truly have.
-fn true_headers(headers: &[Header], truly: &[Truly]) -> Vec<Header> {
+fn true_headers(headers: &[Header], truly: &[PartContents]) -> Vec<Header> {
     let mut headers = headers.to_vec();
     for (header, part) in headers.iter_mut().zip(truly) {
         let channels = header.channels.list.iter_mut().zip(&part.sampling);
@@ -111,7 +111,7 @@ fn fill(
 fn promised(
     path: &Path,
     headers: &[Header],
-    truly: &[Truly],
+    truly: &[PartContents],
     layer: Option<&str>,
     wants: Wants<'_>,
 ) -> ExrImage {

@@ -9,7 +9,7 @@
 
 use super::lattice::mean;
 use super::lobe::Lobes;
-use super::propagation::{Kinds, Light, Shown};
+use super::propagation::{CellFluence, Kinds, Light};
 use super::{Flight, LightGrid, Volume};
 use glam::Vec4;
 
@@ -30,7 +30,12 @@ impl Flight {
 }
 
 /// Light of each kind in a cell at the border of a finer volume, by what a coarser grid shows around it.
-pub fn at_border(outside: (&LightGrid, &Shown), volume: &Volume, cell: usize, kinds: Kinds) -> Vec<Light> {
+pub fn at_border(
+    outside: (&LightGrid, &CellFluence),
+    volume: &Volume,
+    cell: usize,
+    kinds: Kinds,
+) -> Vec<Light> {
     let ((coarse, shown), fine) = (outside, &volume.grid);
     let around = coarse.index(coarse.in_cells(fine.middle(fine.at(cell))).floor().as_ivec3());
     let area = (fine.cell / coarse.cell).powi(2);

@@ -93,7 +93,7 @@ impl Steady {
 /// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of
 /// a pulse summed over all iterations.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct CellFluence {
     /// By the medium: the last kind that met no medium, and scattered light.
     pub by_medium: Vec<Light>,
     /// By surfaces: the last kind.
@@ -102,7 +102,7 @@ pub struct Shown {
     pub first: Vec<Light>,
 }
 
-impl Shown {
+impl CellFluence {
     fn none(cells: usize) -> Self {
         let none = vec![Light::default(); cells];
         Self { by_medium: none.clone(), by_surfaces: none.clone(), first: none }
@@ -132,7 +132,7 @@ pub struct Field {
     is_nested: bool,
     steady: Option<Steady>,
     /// What is shown of it.
-    pub shown: Shown,
+    pub shown: CellFluence,
 }
 
 /// What arrives in a cell of one colour: moments of each kind, and flux and energy as they are shown.
@@ -213,13 +213,13 @@ impl Field {
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
     pub(crate) fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
-        let shown = Shown::none(cells);
+        let shown = CellFluence::none(cells);
         Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, steady: None, shown }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
     #[must_use]
-    pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &Shown)) -> Self {
+    pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &CellFluence)) -> Self {
         self.is_nested = true;
         for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
@@ -317,7 +317,12 @@ impl Field {
     }
 
     /// Lobes of steady light, and what is shown of it, by what has arrived.
-    fn steadied(&self, volume: &Volume, steady: &Steady, arrived: &[[Arriving; 3]]) -> (Vec<Kept>, Shown) {
+    fn steadied(
+        &self,
+        volume: &Volume,
+        steady: &Steady,
+        arrived: &[[Arriving; 3]],
+    ) -> (Vec<Kept>, CellFluence) {
         let lobes = |cell: usize| {
             // What arrives at the border of a finer volume is the coarser one's.
             let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
@@ -331,7 +336,7 @@ impl Field {
         let cells = arrived.len();
         let lobes = (0..cells).into_par_iter().map(lobes).collect();
         let shown: Vec<Light> = (0..cells).into_par_iter().map(shown).collect();
-        (lobes, Shown { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
+        (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 
     /// What arrives in a cell of one colour.

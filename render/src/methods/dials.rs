@@ -36,21 +36,21 @@ pub enum Values {
 /// What a dial is set to.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Setting {
+pub enum DialValue {
     /// A number, or a switch.
     Number(f64),
     /// One of the names that it takes.
     Name(String),
 }
 
-impl From<f64> for Setting {
+impl From<f64> for DialValue {
     fn from(number: f64) -> Self {
         Self::Number(number)
     }
 }
 
 /// A number where it is one, or what a switch is, else a name.
-impl From<&str> for Setting {
+impl From<&str> for DialValue {
     fn from(text: &str) -> Self {
         let switch = |on: bool| Self::Number(f64::from(u8::from(on)));
         let number = |_| text.parse::<f64>().map(Self::Number);
@@ -58,7 +58,7 @@ impl From<&str> for Setting {
     }
 }
 
-impl Display for Setting {
+impl Display for DialValue {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Number(number) => number.fmt(f),
@@ -101,7 +101,7 @@ pub enum DialError {
         /// The parameter.
         name: String,
         /// What it was to be.
-        value: Setting,
+        value: DialValue,
         /// What it can be.
         wanted: String,
     },
@@ -113,7 +113,7 @@ pub enum DialError {
 /// What of a method is not as its quality has it, by the names of dials.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct Changes(pub BTreeMap<String, Setting>);
+pub struct Changes(pub BTreeMap<String, DialValue>);
 
 /// How much time a method may take, and which of its dials are set by hand.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -129,21 +129,23 @@ impl Dial {
     ///
     /// # Errors
     /// If it is out of range, between two numbers that make sense, or no name that the dial takes.
-    pub fn number(&self, setting: &Setting) -> Result<f64, DialError> {
+    pub fn number(&self, setting: &DialValue) -> Result<f64, DialError> {
         let named = |names: &[String], name: &String| names.iter().position(|known| known == name);
         let found = match (&self.values, setting) {
-            (Values::Named(names), Setting::Name(name)) => named(names, name).map(|at| at as f64),
-            (Values::Named(_), Setting::Number(_)) | (_, Setting::Name(_)) => None,
-            (_, Setting::Number(value)) => Some(*value).filter(|value| self.takes(*value)),
+            (Values::Named(names), DialValue::Name(name)) => named(names, name).map(|at| at as f64),
+            (Values::Named(_), DialValue::Number(_)) | (_, DialValue::Name(_)) => None,
+            (_, DialValue::Number(value)) => Some(*value).filter(|value| self.takes(*value)),
         };
         let (name, value) = (self.name.clone(), setting.clone());
         found.ok_or_else(|| DialError::Value { name, value, wanted: self.wanted() })
     }
 
     /// A number as it is set.
-    pub fn setting(&self, number: f64) -> Setting {
+    pub fn setting(&self, number: f64) -> DialValue {
         match &self.values {
-            Values::Named(names) => names.get(number as usize).cloned().map_or(number.into(), Setting::Name),
+            Values::Named(names) => {
+                names.get(number as usize).cloned().map_or(number.into(), DialValue::Name)
+            }
             _ => number.into(),
         }
     }
@@ -220,7 +222,7 @@ impl<'de> Deserialize<'de> for Changes {
 }
 
 /// Adds a setting under its name, or a table's under theirs.
-fn flatten(name: &str, value: &Value, changes: &mut BTreeMap<String, Setting>) -> Result<(), String> {
+fn flatten(name: &str, value: &Value, changes: &mut BTreeMap<String, DialValue>) -> Result<(), String> {
     match value {
         Value::Object(table) => {
             table.iter().try_for_each(|(part, value)| flatten(&format!("{name}.{part}"), value, changes))
@@ -228,7 +230,7 @@ fn flatten(name: &str, value: &Value, changes: &mut BTreeMap<String, Setting>) -
         _ => {
             let number = value.as_f64().or(value.as_bool().map(|on| f64::from(u8::from(on))));
             let setting =
-                number.map(Setting::Number).or(value.as_str().map(|it| Setting::Name(it.to_owned())));
+                number.map(DialValue::Number).or(value.as_str().map(|it| DialValue::Name(it.to_owned())));
             let setting =
                 setting.ok_or_else(|| format!("`{name}` is {value}, which is no number or name"))?;
             changes.insert(name.to_owned(), setting);
@@ -371,9 +373,9 @@ mod tests {
     #[test]
     fn text_is_a_number_a_switch_or_a_name() {
         for (text, number) in [("0.5", 0.5), ("-3", -3.0), ("true", 1.0), ("false", 0.0)] {
-            assert_eq!(Setting::from(text), Setting::Number(number), "{text}");
+            assert_eq!(DialValue::from(text), DialValue::Number(number), "{text}");
         }
-        assert_eq!(Setting::from("two-bands"), Setting::Name("two-bands".to_owned()));
+        assert_eq!(DialValue::from("two-bands"), DialValue::Name("two-bands".to_owned()));
         let changes = Changes([("jitter".to_owned(), "false".into())].into());
         let still = Tuning { quality: Quality::Low, changes }
             .parameters(ray_march::RayMarchParameters::of)

@@ -7,7 +7,7 @@ use crate::bvh::TracedScene;
 use crate::scene::Environment;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use crate::surfels::reference::{Disk, laid};
-use crate::surfels::{self, Lit};
+use crate::surfels::{self, SurfelLight};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute, Planes};
 use std::fmt::Debug;
@@ -47,7 +47,7 @@ pub struct DiskEffect<M: ByDisks> {
     /// What it reads of a g-buffer.
     pub attributes: &'static [Attribute],
     /// What of the lights disks send, where they are lit first.
-    pub lit: Option<Lit>,
+    pub lit: Option<SurfelLight>,
     /// What the passes do in its own way.
     pub passes: M::Passes,
     /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.

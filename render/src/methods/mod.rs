@@ -51,7 +51,7 @@ use deepshade_shaders::Planes;
 use deepshade_shaders::names::did_you_mean;
 
 pub use list::{Entry, Opened, all};
-pub use picture::Picture;
+pub use picture::LightImage;
 pub use surface::Surface;
 pub use translucent::Translucent;
 

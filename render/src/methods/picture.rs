@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Direct light and validity of every pixel.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct LightImage {
     /// Rows.
     pub height: usize,
     /// Columns.
@@ -18,7 +18,7 @@ pub struct Picture {
     valid: Planes,
 }
 
-impl Picture {
+impl LightImage {
     /// The picture that a g-buffer holds.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use crate::sampler::{cosine_hemisphere, frame};
 use crate::scene::procedural::Family;
 use crate::scene::{Camera, Environment, Lens, Material, Mesh, Scene};
 use crate::screen::{
-    GpuGBuffer, Inputs, MethodStep, PlainInputs, Plan, ScreenMethod, Technique, View, Written,
+    GpuGBuffer, Inputs, MethodPasses, MethodStep, PlainInputs, ScreenMethod, Technique, View, Written,
 };
 use deepshade_shaders::gpu;
 use deepshade_shaders::{Attribute, GBuffer, Planes};
@@ -224,20 +224,20 @@ pub fn written_on_gpu(
     let uploaded =
         GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes and room");
     let inputs = Inputs { gbuffer: &uploaded, environment, world: None };
-    let plan = Plan::new(method, &inputs, view).expect("a plan");
+    let passes = MethodPasses::new(method, &inputs, view).expect("a plan");
     let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("values");
     let submit = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| record(encoder)).expect("valid passes");
     };
     let mut written = Written::new();
-    for MethodStep { step, writes } in plan.steps() {
+    for MethodStep { step, writes } in passes.steps() {
         submit(&|encoder| step.encode(encoder, "test", None));
         written.extend(writes.iter().map(read));
     }
-    submit(&|encoder| plan.encode(encoder));
+    submit(&|encoder| passes.encode(encoder));
     let bits = |image: &[f32]| image.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
     let last = written.last().expect("an image");
-    assert!(bits(last) == bits(&read(plan.output())), "{}: all at once gives the same bits", method.name());
+    assert!(bits(last) == bits(&read(passes.output())), "{}: all at once gives the same bits", method.name());
     written
 }
 

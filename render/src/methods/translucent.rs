@@ -1,6 +1,6 @@
 //! What the plain versions of subsurface scattering read: `shared/translucent.wgsl` in Rust.
 
-use super::Picture;
+use super::LightImage;
 use super::surface::vector;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
 use glam::{IVec2, Vec3};
@@ -9,7 +9,7 @@ use glam::{IVec2, Vec3};
 #[derive(Clone, Debug)]
 pub struct Translucent {
     /// Direct light and validity.
-    pub picture: Picture,
+    pub picture: LightImage,
     /// [`Attribute::Position`], `[3, height, width]`, camera space, metres.
     position: Planes,
     /// [`Attribute::MeanFreePath`], `[3, height, width]`, metres.
@@ -23,7 +23,7 @@ impl Translucent {
     /// If the g-buffer lacks an attribute.
     pub fn of(gbuffer: &GBuffer) -> Result<Self, MissingAttribute> {
         Ok(Self {
-            picture: Picture::of(gbuffer)?,
+            picture: LightImage::of(gbuffer)?,
             position: gbuffer.select(&[Attribute::Position])?,
             mean_free_path: gbuffer.select(&[Attribute::MeanFreePath])?,
         })

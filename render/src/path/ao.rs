@@ -73,7 +73,7 @@ pub(super) fn morton(number: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::proving::{Measured, floor, prove_slope, quad, sphere, traced};
+    use crate::path::proving::{MeanWithError, floor, prove_slope, quad, sphere, traced};
     use crate::path::{AtSurface, Integrator, Sampling, render};
     use crate::scene::{Camera, Material, Mesh};
     use deepshade_shaders::Effect;
@@ -88,10 +88,10 @@ mod tests {
     }
 
     /// Openness of the floor at (x, 0, 0), seen from nearby.
-    fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> Measured {
+    fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> MeanWithError {
         let camera = Camera::look_at(Vec3::new(x, 0.01, 0.0), Vec3::new(x, 0.0, 0.0));
         let shot = Shot::new(scene, &camera, [1, 1], radius);
-        Measured::of(&AtSurface::new(&shot, Ao::new(&shot)), &shot, SAMPLES)
+        MeanWithError::of(&AtSurface::new(&shot, Ao::new(&shot)), &shot, SAMPLES)
     }
 
     /// As wide as the floor, at a height.

@@ -5,13 +5,13 @@
 //! it.
 
 use super::direct::direct_light;
-use crate::bvh::moment::Moment;
+use crate::bvh::scene_at_time::SceneAtTime;
 use crate::intersection::SurfacePoint;
 use crate::scene::Scene;
 use glam::Vec3;
 
 /// Radiance from a unit direction by direct light alone.
-pub fn appearance<'a>(scene: impl Into<Moment<'a>>, origin: Vec3, direction: Vec3) -> Vec3 {
+pub fn appearance<'a>(scene: impl Into<SceneAtTime<'a>>, origin: Vec3, direction: Vec3) -> Vec3 {
     let scene = scene.into();
     match seen(scene, origin, direction) {
         Some(point) => reflected(scene, &point, direction) + point.surface.emission,
@@ -20,14 +20,22 @@ pub fn appearance<'a>(scene: impl Into<Moment<'a>>, origin: Vec3, direction: Vec
 }
 
 /// The surface in a direction.
-pub(super) fn seen<'a>(scene: impl Into<Moment<'a>>, origin: Vec3, direction: Vec3) -> Option<SurfacePoint> {
+pub(super) fn seen<'a>(
+    scene: impl Into<SceneAtTime<'a>>,
+    origin: Vec3,
+    direction: Vec3,
+) -> Option<SurfacePoint> {
     let scene = scene.into();
     let hit = scene.hit(origin, direction, f32::INFINITY)?;
     Some(SurfacePoint::new(scene, &hit, direction))
 }
 
 /// The attribute `L` of a point seen along a direction.
-pub(super) fn reflected<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, direction: Vec3) -> Vec3 {
+pub(super) fn reflected<'a>(
+    scene: impl Into<SceneAtTime<'a>>,
+    point: &SurfacePoint,
+    direction: Vec3,
+) -> Vec3 {
     let direct = direct_light(scene, point, -direction);
     direct.diffuse + direct.specular
 }

@@ -4,7 +4,7 @@
 
 use super::bsdf::Phong;
 use super::lights::Arrival;
-use crate::bvh::moment::Moment;
+use crate::bvh::scene_at_time::SceneAtTime;
 use crate::intersection::SurfacePoint;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -20,8 +20,12 @@ pub struct DirectLight {
 
 /// Light that reaches a point without a detour, reflected by the energy-normalised Phong model: in a scene,
 /// or in it at the point's moment.
-pub fn direct_light<'a>(scene: impl Into<Moment<'a>>, point: &SurfacePoint, to_camera: Vec3) -> DirectLight {
-    let scene: Moment<'_> = scene.into();
+pub fn direct_light<'a>(
+    scene: impl Into<SceneAtTime<'a>>,
+    point: &SurfacePoint,
+    to_camera: Vec3,
+) -> DirectLight {
+    let scene: SceneAtTime<'_> = scene.into();
     let lobe = Phong::new(point.surface.roughness);
     let mirrored = point.normal * (2.0 * point.normal.dot(to_camera)) - to_camera;
     let mut sum = DirectLight::default();

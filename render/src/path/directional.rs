@@ -91,7 +91,7 @@ impl SurfaceEffect for Directional<'_> {
 mod tests {
     use super::*;
     use crate::path::at_surface::AtSurface;
-    use crate::path::proving::{Measured, floor, integral, quad, spotted, traced, with_environment};
+    use crate::path::proving::{MeanWithError, floor, integral, quad, spotted, traced, with_environment};
     use crate::path::{Ao, Integrator};
     use crate::scene::{Camera, Material, Mesh};
     use glam::Vec2;
@@ -103,10 +103,10 @@ mod tests {
     }
 
     /// At (x, 0, 0) of the floor, seen from nearby.
-    fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> Measured {
+    fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> MeanWithError {
         let camera = Camera::look_at(Vec3::new(x, 0.01, 0.0), Vec3::new(x, 0.0, 0.0));
         let shot = Shot::new(scene, &camera, [1, 1], radius);
-        Measured::of(&AtSurface::new(&shot, Directional::new(&shot)), &shot, 4096)
+        MeanWithError::of(&AtSurface::new(&shot, Directional::new(&shot)), &shot, 4096)
     }
 
     #[test]
@@ -134,8 +134,8 @@ mod tests {
         let scene = with_environment(scene, Environment::uniform(Vec3::ONE));
         let camera = Camera::look_at(scene.bounds().centre(), scene.bounds().min);
         let shot = Shot::new(&scene, &camera, [7, 9], 0.3 * scene.diagonal());
-        let directional = Measured::of(&AtSurface::new(&shot, Directional::new(&shot)), &shot, 256);
-        let ambient = Measured::of(&AtSurface::new(&shot, Ao::new(&shot)), &shot, 256);
+        let directional = MeanWithError::of(&AtSurface::new(&shot, Directional::new(&shot)), &shot, 256);
+        let ambient = MeanWithError::of(&AtSurface::new(&shot, Ao::new(&shot)), &shot, 256);
         assert!(directional.is(ambient.mean), "{directional:?} is not {ambient:?}");
         assert!(ambient.mean.x > 0.05 && ambient.mean.x < 0.95, "something is blocked: {ambient:?}");
     }

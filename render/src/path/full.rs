@@ -3,7 +3,7 @@
 
 use super::route::Route;
 use super::transport::Transport;
-use super::{Integrator, Part, Shot};
+use super::{Integrator, LightPart, Shot};
 use crate::sampler::Stream;
 use glam::{Vec2, Vec3};
 
@@ -33,11 +33,11 @@ impl Integrator for FullPath<'_> {
         let (origin, direction) = camera.ray(at, height, width, on_lens);
         let split = |stream| self.transport.split(origin, direction, stream);
         match self.shot.part {
-            Part::Emitted => split(stream).emitted,
-            Part::Direct => split(stream).direct,
-            Part::FirstIndirect => split(stream).first_indirect,
-            Part::Rest => split(stream).rest,
-            Part::All => self.transport.radiance(origin, direction, stream),
+            LightPart::Emitted => split(stream).emitted,
+            LightPart::Direct => split(stream).direct,
+            LightPart::FirstIndirect => split(stream).first_indirect,
+            LightPart::Rest => split(stream).rest,
+            LightPart::All => self.transport.radiance(origin, direction, stream),
         }
     }
 }

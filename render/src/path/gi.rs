@@ -129,7 +129,7 @@ impl SurfaceEffect for Gi<'_> {
 mod tests {
     use super::*;
     use crate::path::at_surface::AtSurface;
-    use crate::path::proving::{Measured, integral, quad};
+    use crate::path::proving::{MeanWithError, integral, quad};
     use crate::scene::{AlphaMode, Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
 
     /// Diffuse colour of what sends light.
@@ -162,10 +162,10 @@ mod tests {
         lit(vec![lying(1e-3, 0.0, 0), lying(half, height, 1)], receiver, Vec3::Y, irradiance)
     }
 
-    fn at_patch(scene: &TracedScene, radius: f32, receiver: Receiver) -> Measured {
+    fn at_patch(scene: &TracedScene, radius: f32, receiver: Receiver) -> MeanWithError {
         let camera = Camera::look_at(Vec3::new(0.0, 0.01, 0.01), Vec3::ZERO);
         let shot = Shot::new(scene, &camera, [1, 1], radius);
-        Measured::of(&AtSurface::new(&shot, Gi::new(&shot, receiver)), &shot, 4096)
+        MeanWithError::of(&AtSurface::new(&shot, Gi::new(&shot, receiver)), &shot, 4096)
     }
 
     /// From a patch to a square of edge 2 a over its middle, at a distance h: four corners of
@@ -223,7 +223,7 @@ mod tests {
                 let point = SurfacePoint::new(scene, &hit, Vec3::NEG_Y);
                 gi.sample(&Visible { point, to_viewer: Vec3::Y }, stream)
             };
-            Measured::of_samples(sample, 4096)
+            MeanWithError::of_samples(sample, 4096)
         };
         let value = mean_over_lower(&square(1.0));
         value.proves("gi/parallel_plates", expected);
@@ -259,7 +259,7 @@ mod tests {
         let gi = Gi::new(&shot, Receiver::Diffuse);
         let irradiance = |stream: &mut Stream| gi.irradiance(&point, stream);
         let count = 100_000;
-        let measured = Measured::of_independent(irradiance, count);
+        let measured = MeanWithError::of_independent(irradiance, count);
         // Lambert's polygon formula: half the sum of the edges' angles times their planes' normals.
         let edges = (0..4).map(|i| (corners[i] - point.position, corners[(i + 1) % 4] - point.position));
         let sum: Vec3 = edges.map(|(a, b)| a.cross(b).normalize() * a.angle_between(b)).sum();

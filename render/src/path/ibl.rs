@@ -49,7 +49,7 @@ mod tests {
     use super::*;
     use crate::bvh::TracedScene;
     use crate::path::at_surface::AtSurface;
-    use crate::path::proving::{Measured, floor, integral, spotted, traced, with_environment};
+    use crate::path::proving::{MeanWithError, floor, integral, spotted, traced, with_environment};
     use crate::scene::{Camera, Material};
     use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -69,10 +69,10 @@ mod tests {
         Vec3::new(sin, cos, 0.0)
     }
 
-    fn on_floor(scene: &TracedScene, degrees: f32) -> Measured {
+    fn on_floor(scene: &TracedScene, degrees: f32) -> MeanWithError {
         let camera = Camera::look_at(to_viewer(degrees), Vec3::ZERO);
         let shot = Shot::new(scene, &camera, [1, 1], 1.0);
-        Measured::of(&AtSurface::new(&shot, Ibl::new(&shot)), &shot, 4096)
+        MeanWithError::of(&AtSurface::new(&shot, Ibl::new(&shot)), &shot, 4096)
     }
 
     /// The Phong model of that floor times the cosine, written down once more: alpha is 1/4, the exponent 30.

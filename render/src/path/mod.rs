@@ -21,11 +21,11 @@ pub mod fog;
 pub mod full;
 pub mod gi;
 pub mod ibl;
+pub mod light_part;
 pub mod lights;
 pub mod medium;
 pub mod motion_blur;
 pub mod multi;
-pub mod part;
 pub mod phosphor;
 #[cfg(test)]
 pub(crate) mod proving;
@@ -46,9 +46,9 @@ pub use estimate::{Estimate, Goal, Sampling, render, render_where};
 pub use full::FullPath;
 pub use gi::{Gi, Receiver};
 pub use ibl::Ibl;
+pub use light_part::LightPart;
 pub use motion_blur::MotionBlur;
 pub use multi::Multi;
-pub use part::Part;
 use phosphor::KeptLight;
 pub use phosphor::Phosphor;
 pub use refinement::{Refinement, Taken};
@@ -77,8 +77,8 @@ pub struct Shot<'a> {
     pub radius: f32,
     /// Where in a pixel samples are.
     pub footprint: Footprint,
-    /// Which light; a part that the effect has, see [`Part::is_of`].
-    pub part: Part,
+    /// Which light; a part that the effect has, see [`LightPart::is_of`].
+    pub part: LightPart,
 }
 
 impl<'a> Shot<'a> {
@@ -89,7 +89,7 @@ impl<'a> Shot<'a> {
         [height, width]: [usize; 2],
         radius: f32,
     ) -> Self {
-        Self { scene, camera, height, width, radius, footprint: Footprint::Middle, part: Part::All }
+        Self { scene, camera, height, width, radius, footprint: Footprint::Middle, part: LightPart::All }
     }
 }
 

@@ -15,7 +15,7 @@ mod afterglow;
 pub mod in_medium;
 mod indirect;
 
-pub use afterglow::{Afterglow, Place};
+pub use afterglow::{Afterglow, ReceivingPoint};
 pub use indirect::KeptLight;
 
 use super::{Footprint, Integrator, Shot};
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use crate::bvh::TracedScene;
     use crate::path::FullPath;
-    use crate::path::proving::{Measured, quad};
+    use crate::path::proving::{MeanWithError, quad};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
     use crate::scene::{
@@ -128,7 +128,7 @@ mod tests {
     }
 
     /// A small patch without paint that looks at a square of half an edge `half` above it, which glows.
-    fn reflected(start: f32, moment: f32) -> Measured {
+    fn reflected(start: f32, moment: f32) -> MeanWithError {
         let corners = |half: f32, y: f32| {
             [(-1., 1.), (1., 1.), (1., -1.), (-1., -1.)].map(|(x, z)| Vec3::new(half * x, y, half * z))
         };
@@ -146,7 +146,7 @@ mod tests {
         let scene = scene.expect("squares");
         let camera = Camera::look_at(Vec3::new(0.0, 0.01, 0.01), Vec3::ZERO);
         let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
-        Measured::of(&FullPath::new(&shot), &shot, 4096)
+        MeanWithError::of(&FullPath::new(&shot), &shot, 4096)
     }
 
     #[test]
@@ -227,8 +227,9 @@ mod tests {
         let scene = square(glow(&[0.2], &[[0.0, 9.0]], 1.0), vec![]);
         let mut mesh = quad([(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(x, y, 0.0)));
         mesh.normals = vec![Vec3::Z; 4];
-        let received =
-            |mesh: &Mesh| Afterglow::new(&scene).irradiance(&Place::new(mesh, 0, [0.4, 0.3, 0.3])).remove(0);
+        let received = |mesh: &Mesh| {
+            Afterglow::new(&scene).irradiance(&ReceivingPoint::new(mesh, 0, [0.4, 0.3, 0.3])).remove(0)
+        };
         assert!(received(&mesh).min_element() > 1.0);
         mesh.positions = vec![Vec3::ZERO; 4];
         assert_eq!(received(&mesh), Vec3::ZERO);

@@ -1,10 +1,10 @@
 //! What tests of truth share: small scenes, and means with their standard errors to hold against closed
 //! forms. What is proved goes through [`Comparison::settle`], by the name of its proof.
 
-mod ledger;
+mod comparison;
 mod slope;
 
-pub use ledger::Comparison;
+pub use comparison::Comparison;
 pub use slope::{least_squares, prove_slope};
 
 use super::{Integrator, Shot};
@@ -22,13 +22,13 @@ const ROUNDING: f32 = 2e-5;
 
 /// A mean of independent scramblings.
 #[derive(Clone, Copy, Debug)]
-pub struct Measured {
+pub struct MeanWithError {
     pub mean: Vec3,
     /// Its standard error.
     pub error: Vec3,
 }
 
-impl Measured {
+impl MeanWithError {
     /// Mean over all pixels of a shot.
     pub fn of(integrator: &dyn Integrator, shot: &Shot<'_>, samples: u32) -> Self {
         let (height, width) = (shot.height, shot.width);

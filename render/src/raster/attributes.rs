@@ -2,7 +2,7 @@
 
 use super::surface::SurfaceImage;
 use crate::scene::Scene;
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, PassDispatch};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::TILE;
@@ -57,7 +57,7 @@ pub fn steps(
     image: &SurfaceImage,
     materials: &Materials,
     gbuffer: &GpuGBuffer,
-) -> Result<Vec<Step>, GpuError> {
+) -> Result<Vec<PassDispatch>, GpuError> {
     let is_light = |attribute: &Attribute| matches!(attribute, Attribute::Light | Attribute::DiffuseLight);
     let written: Vec<Attribute> = gbuffer.attributes().filter(|attribute| !is_light(attribute)).collect();
     let step = |attributes: &[Attribute]| {
@@ -65,7 +65,7 @@ pub fn steps(
         let outputs = attributes.iter().map(|attribute| gbuffer.buffer(*attribute).as_entire_binding());
         let resources: Vec<_> = seen_bindings(image, materials).into_iter().chain(outputs).collect();
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
+        Ok(PassDispatch { pass: pass.bind(device, &resources)?, workgroups })
     };
     written.chunks(ATTRIBUTES_A_PASS).map(step).collect()
 }

@@ -2,14 +2,14 @@
 //! one. All is allocated when it is made; from frame to frame only small uniforms are written.
 
 use super::attributes;
+pub use super::frame_stage::FrameStage;
 use super::light;
 use super::reflective::ReflectiveMap;
-pub use super::stage::Stage;
 use super::surface::{SurfaceImage, SurfacePass};
 use super::view::perspective;
 use super::world::World;
 use crate::scene::{AnimatedScene, Camera, Light};
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, PassDispatch};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::uniforms::FrameView;
@@ -19,7 +19,7 @@ const NEAR: f32 = 1e-5;
 
 /// What a frame is made for.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct RasterSettings {
     /// Rows.
     pub height: usize,
     /// Columns.
@@ -37,8 +37,8 @@ pub struct Frame {
     world: World,
     surface: SurfacePass,
     image: SurfaceImage,
-    attributes: Vec<Step>,
-    light: Option<Step>,
+    attributes: Vec<PassDispatch>,
+    light: Option<PassDispatch>,
     gbuffer: GpuGBuffer,
     /// From where the last frame that was set is seen.
     view: Option<FrameView>,
@@ -50,8 +50,8 @@ impl Frame {
     ///
     /// # Errors
     /// If the device refuses or has no room; the buffer, texture or pass is named.
-    pub fn new(gpu: &Gpu, animated: &AnimatedScene, settings: &Settings) -> Result<Self, GpuError> {
-        let Settings { height, width, shadow_size, .. } = *settings;
+    pub fn new(gpu: &Gpu, animated: &AnimatedScene, settings: &RasterSettings) -> Result<Self, GpuError> {
+        let RasterSettings { height, width, shadow_size, .. } = *settings;
         let device = &gpu.device;
         let is_light =
             |attribute: &Attribute| matches!(attribute, Attribute::Light | Attribute::DiffuseLight);
@@ -90,17 +90,21 @@ impl Frame {
     }
 
     /// Records a stage. Shadow maps that show what they already do are kept.
-    pub fn encode(&self, stage: Stage, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
+    pub fn encode(&self, stage: FrameStage, encoder: &mut wgpu::CommandEncoder, stamps: Option<&Stamps<'_>>) {
         match stage {
-            Stage::Pose => compute(encoder, stage, stamps, |pass| self.world.encode_pose(pass)),
-            Stage::Shadows if self.world.maps_to_draw() == 0 => compute(encoder, stage, stamps, |_| {}),
-            Stage::Shadows => self.world.encode_shadows(encoder, stamps),
-            Stage::Surface => {
+            FrameStage::Pose => compute(encoder, stage, stamps, |pass| self.world.encode_pose(pass)),
+            FrameStage::Shadows if self.world.maps_to_draw() == 0 => compute(encoder, stage, stamps, |_| {}),
+            FrameStage::Shadows => self.world.encode_shadows(encoder, stamps),
+            FrameStage::Surface => {
                 let geometry = &self.world.geometry;
                 self.surface.encode(encoder, geometry, &self.image, stamps.map(Stamps::of_raster));
             }
-            Stage::Attributes => compute(encoder, stage, stamps, |pass| dispatch(&self.attributes, pass)),
-            Stage::Light => compute(encoder, stage, stamps, |pass| dispatch(self.light.as_slice(), pass)),
+            FrameStage::Attributes => {
+                compute(encoder, stage, stamps, |pass| dispatch(&self.attributes, pass))
+            }
+            FrameStage::Light => {
+                compute(encoder, stage, stamps, |pass| dispatch(self.light.as_slice(), pass))
+            }
         }
     }
 
@@ -141,7 +145,7 @@ impl Frame {
 /// Records a compute pass of its own.
 fn compute(
     encoder: &mut wgpu::CommandEncoder,
-    stage: Stage,
+    stage: FrameStage,
     stamps: Option<&Stamps<'_>>,
     record: impl FnOnce(&mut wgpu::ComputePass<'_>),
 ) {
@@ -152,7 +156,7 @@ fn compute(
     record(&mut pass);
 }
 
-fn dispatch(steps: &[Step], pass: &mut wgpu::ComputePass<'_>) {
+fn dispatch(steps: &[PassDispatch], pass: &mut wgpu::ComputePass<'_>) {
     for step in steps {
         step.encode_in(pass);
     }

@@ -6,7 +6,7 @@ use super::world::World;
 use crate::raster::groups;
 use crate::scene::Scene;
 use crate::scene::glow::{Glow, Piece};
-use crate::screen::{Device, MethodStep, Step};
+use crate::screen::{Device, MethodStep, PassDispatch};
 use deepshade_glow::paint::PaintState as State;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
@@ -118,7 +118,10 @@ impl GlowOnGpu {
             let own = [("EULER", euler), ("FIRST_PIECE", first), ("PIECES_AT_ONCE", pieces)];
             let pass = device.pass(shader, &[constants, &own[..]].concat())?;
             let pass = pass.bind_at(device, resources.iter().cloned())?;
-            Ok(MethodStep { step: Step { pass, workgroups: groups(count).into() }, writes: Vec::new() })
+            Ok(MethodStep {
+                step: PassDispatch { pass, workgroups: groups(count).into() },
+                writes: Vec::new(),
+            })
         };
         let mut steps =
             rounds(&self.glow, euler).into_iter().map(step).collect::<Result<Vec<_>, GpuError>>()?;

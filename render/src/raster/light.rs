@@ -6,7 +6,7 @@ use super::surface::SurfaceImage;
 use super::world::World;
 use crate::path::lights::axes;
 use crate::scene::{Encoding, Filter, Light, Scene, TextureId};
-use crate::screen::{GpuGBuffer, Step};
+use crate::screen::{GpuGBuffer, PassDispatch};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::uniforms::{FrameView, LightRecord};
@@ -29,12 +29,12 @@ pub struct Lights {
     /// How many there are.
     pub count: usize,
     /// Of each its maps and the place of its picture.
-    belongings: Vec<Belongings>,
+    belongings: Vec<LightReferences>,
 }
 
 /// A light's first map and how many it has; its picture's first texel, columns, rows, and what its bytes
 /// mean.
-type Belongings = (Option<(usize, usize)>, Option<[f32; 4]>);
+type LightReferences = (Option<(usize, usize)>, Option<[f32; 4]>);
 
 impl Lights {
     /// Those of a scene, with the maps that they have.
@@ -44,7 +44,7 @@ impl Lights {
     pub fn new(device: &wgpu::Device, scene: &Scene, plan: &MapPlan) -> Result<Self, GpuError> {
         let (places, pictures) = pictures(scene);
         let picture = |light: &Light| light.picture().map(|texture| places[&texture.0]);
-        let belongings: Vec<Belongings> =
+        let belongings: Vec<LightReferences> =
             scene.lights.iter().zip(&plan.of_lights).map(|(light, maps)| (*maps, picture(light))).collect();
         let mut records = records(&scene.lights, &belongings);
         let no_views: Vec<FrameView> = vec![bytemuck::Zeroable::zeroed(); plan.maps.max(1)];
@@ -73,7 +73,7 @@ impl Lights {
     }
 }
 
-fn records(lights: &[Light], belongings: &[Belongings]) -> Vec<LightRecord> {
+fn records(lights: &[Light], belongings: &[LightReferences]) -> Vec<LightRecord> {
     let of_each = lights.iter().zip(belongings);
     of_each.map(|(light, (maps, picture))| record(light, *maps, *picture)).collect()
 }
@@ -142,7 +142,7 @@ pub fn step(
     image: &SurfaceImage,
     world: &World,
     gbuffer: &GpuGBuffer,
-) -> Result<Step, GpuError> {
+) -> Result<PassDispatch, GpuError> {
     let (lights, shadows) = (&world.gpu_lights, &world.shadows);
     let pass = Pass::of(device, Shader::at("frame/light"), &[("LIGHTS", lights.count as u32)])?;
     let sampler = shadow_sampler(device);
@@ -157,5 +157,5 @@ pub fn step(
         gbuffer.buffer(Attribute::DiffuseLight).as_entire_binding(),
     ]);
     let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-    Ok(Step { pass: pass.bind(device, &resources)?, workgroups })
+    Ok(PassDispatch { pass: pass.bind(device, &resources)?, workgroups })
 }

@@ -15,6 +15,7 @@
 
 pub mod attributes;
 pub mod frame;
+pub mod frame_stage;
 pub mod geometry;
 pub mod glow;
 pub mod light;
@@ -25,7 +26,6 @@ pub mod pose;
 pub mod reflective;
 pub mod shadow;
 pub mod since;
-pub mod stage;
 pub mod surface;
 #[cfg(test)]
 mod tests;

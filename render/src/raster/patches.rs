@@ -50,7 +50,7 @@ pub fn emissions(scene: &Scene, draws: &[Draw]) -> Vec<Emission> {
 /// The paint of each of a scene's [`patches`], as its [`Glow`] counts them.
 pub fn paints(scene: &Scene, draws: &[Draw]) -> Vec<Option<usize>> {
     let paints = Glow::of(scene).paints_of(scene);
-    let paint = |part: &Part<'_>| paints[scene.meshes[part.mesh].material.0 as usize];
+    let paint = |part: &TrianglePart<'_>| paints[scene.meshes[part.mesh].material.0 as usize];
     cut_into(scene, draws, PARTS, paint)
 }
 
@@ -60,7 +60,7 @@ pub fn origins(scene: &Scene) -> Vec<[usize; 2]> {
 }
 
 /// A part of a triangle.
-struct Part<'a> {
+struct TrianglePart<'a> {
     patch: Patch,
     scene: &'a Scene,
     mesh: usize,
@@ -72,7 +72,7 @@ fn cut_into<T: Send>(
     scene: &Scene,
     draws: &[Draw],
     parts: f32,
-    said: impl Fn(&Part<'_>) -> T + Sync,
+    said: impl Fn(&TrianglePart<'_>) -> T + Sync,
 ) -> Vec<T> {
     let bounds = scene.bounds();
     let size = bounds.size().max_element().max(f32::MIN_POSITIVE);
@@ -93,7 +93,7 @@ fn cut_into<T: Send>(
                 let patch = if closed[draw.mesh as usize][triangle] { patch } else { patch.opened() };
                 let middle = patch.weights().into_iter().sum::<Vec3>() / 3.0;
                 let at = mixed(mesh.corners(triangle), middle);
-                let part = Part { patch, scene, mesh: draw.mesh as usize, triangle };
+                let part = TrianglePart { patch, scene, mesh: draw.mesh as usize, triangle };
                 (morton((at - bounds.min) / size), said(&part))
             })
         })
@@ -114,17 +114,17 @@ pub fn cut_scene(scene: &Scene, parts: f32) -> Vec<Patch> {
 }
 
 /// A part of a triangle with what its material says.
-fn painted(part: &Part<'_>) -> Patch {
+fn painted(part: &TrianglePart<'_>) -> Patch {
     let (coverage, colour) = part.mean(|surface| surface.diffuse);
     part.patch.painted(colour, coverage)
 }
 
 /// Radiance that a part of a triangle emits.
-fn emission(part: &Part<'_>) -> Emission {
+fn emission(part: &TrianglePart<'_>) -> Emission {
     Emission::new(part.mean(|surface| surface.emission).1)
 }
 
-impl Part<'_> {
+impl TrianglePart<'_> {
     /// The share of it that is there, and the mean over that share of something of its surface.
     fn mean(&self, of: fn(&Surface) -> Vec3) -> (f32, Vec3) {
         let Self { scene, triangle, .. } = *self;

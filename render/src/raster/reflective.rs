@@ -5,7 +5,7 @@ use super::attributes::seen_bindings;
 use super::geometry::Geometry;
 use super::surface::{SurfaceImage, SurfacePass};
 use super::world::World;
-use crate::screen::Step;
+use crate::screen::PassDispatch;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::uniforms::{Chosen, FrameView};
 use deepshade_shaders::wgsl::{Shader, TILE};
@@ -17,7 +17,7 @@ pub const PLANES: usize = 9;
 #[derive(Debug)]
 pub struct ReflectiveMap {
     image: SurfaceImage,
-    step: Step,
+    step: PassDispatch,
     /// `[9, size, size]` f32: position in world space, metres; normal; flux that is reflected diffusely,
     /// watts. All 0 where nothing is met.
     pub texels: wgpu::Buffer,
@@ -43,8 +43,10 @@ impl ReflectiveMap {
         let mut resources = seen_bindings(&image, &world.materials);
         resources
             .extend([&lights.records, &lights.pictures, &chosen, &texels].map(|b| b.as_entire_binding()));
-        let step =
-            Step { pass: pass.bind(device, &resources)?, workgroups: gpu::groups(size, size, TILE).into() };
+        let step = PassDispatch {
+            pass: pass.bind(device, &resources)?,
+            workgroups: gpu::groups(size, size, TILE).into(),
+        };
         Ok(Self { image, step, texels })
     }
 

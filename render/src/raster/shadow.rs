@@ -9,4 +9,4 @@ mod pass;
 mod plan;
 
 pub use pass::ShadowPass;
-pub use plan::{CASCADES, MapPlan, Seen, views};
+pub use plan::{CASCADES, CameraView, MapPlan, views};

@@ -2,7 +2,7 @@
 
 use super::attributes::seen_bindings;
 use super::frame::Frame;
-use crate::screen::Step;
+use crate::screen::PassDispatch;
 use deepshade_shaders::gpu::{self, GpuError, Pass, Stamps};
 use deepshade_shaders::wgsl::{Shader, TILE};
 
@@ -10,7 +10,7 @@ use deepshade_shaders::wgsl::{Shader, TILE};
 /// depth, and the depth that it had then; 0 where nothing is seen: `[4, height, width]` f32.
 #[derive(Debug)]
 pub struct Since {
-    step: Step,
+    step: PassDispatch,
     planes: wgpu::Buffer,
 }
 
@@ -28,7 +28,7 @@ impl Since {
         let pass = Pass::of(device, Shader::at("frame/since"), &[])?;
         let mut resources = seen_bindings(frame.image(), &frame.world().materials);
         resources.extend([frame.view_before(), &planes].map(|buffer| buffer.as_entire_binding()));
-        let step = Step {
+        let step = PassDispatch {
             pass: pass.bind(device, &resources)?,
             workgroups: gpu::groups(height, width, TILE).into(),
         };

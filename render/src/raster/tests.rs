@@ -1,6 +1,6 @@
 //! Rasterised g-buffers against those of rays, and reflective maps against closed forms.
 
-use super::frame::{Frame, Settings, Stage};
+use super::frame::{Frame, FrameStage, RasterSettings};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::path::proving::quad;
@@ -22,7 +22,7 @@ const WIDTH: usize = 131;
 /// All stages once.
 fn run(gpu: &Gpu, frame: &Frame) {
     gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-        Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+        FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
     })
     .expect("valid passes");
 }
@@ -39,7 +39,7 @@ fn read(gpu: &Gpu, frame: &Frame) -> GBuffer {
 }
 
 fn rasterised(gpu: &Gpu, scene: &Scene, camera: &Camera) -> GBuffer {
-    let settings = Settings {
+    let settings = RasterSettings {
         height: HEIGHT,
         width: WIDTH,
         attributes: Attribute::ALL.to_vec(),
@@ -176,7 +176,7 @@ fn flux(light: Light, size: usize) -> (Vec3, usize) {
     let gpu = Gpu::new().expect("an adapter");
     let animated = lamp_in_a_box(light);
     let settings =
-        Settings { height: 8, width: 8, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
+        RasterSettings { height: 8, width: 8, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let camera = Camera::look_at(Vec3::ZERO, Vec3::X);
     frame.set(&gpu.queue, 0.0, 0.0, &camera);

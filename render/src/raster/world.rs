@@ -8,7 +8,7 @@ use super::light::Lights;
 use super::medium::MediumOnGpu;
 use super::patches::{self, Emission, Patch};
 use super::pose::Posing;
-use super::shadow::{self, MapPlan, Seen, ShadowPass};
+use super::shadow::{self, CameraView, MapPlan, ShadowPass};
 use super::texture::Textures;
 use crate::scene::gltf::Rig;
 use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
@@ -48,7 +48,7 @@ pub struct World {
     /// Whether the maps show what they did in the frame before.
     maps_stay: bool,
     map_views: Vec<FrameView>,
-    seen: Option<Seen>,
+    seen: Option<CameraView>,
     patches: OnceLock<Vec<Patch>>,
     /// What the device cannot do as it was asked to, in words.
     pub notes: Vec<String>,
@@ -131,7 +131,7 @@ impl World {
             self.on = on;
             self.gpu_lights.set(queue, &self.lights, &self.on);
         }
-        let seen = Seen { camera: *camera, aspect, bounds: self.bounds };
+        let seen = CameraView { camera: *camera, aspect, bounds: self.bounds };
         let views = self.map_plan.views(&self.lights, seen);
         let same = bytemuck::cast_slice::<_, u8>(&views) == bytemuck::cast_slice::<_, u8>(&self.map_views);
         self.maps_stay = same && self.posing.is_none();

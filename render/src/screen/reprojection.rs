@@ -9,7 +9,7 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::Step;
+use super::PassDispatch;
 use deepshade_shaders::gpu::{self, GpuError, Pass, Stamps};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 
@@ -55,7 +55,7 @@ pub struct Reprojection {
     since: wgpu::Buffer,
     since_before_that: wgpu::Buffer,
     history: wgpu::Buffer,
-    mix: Step,
+    mix: PassDispatch,
     output: wgpu::Buffer,
 }
 
@@ -81,7 +81,7 @@ impl Reprojection {
         let buffers = [&uniform, current, &history, since, &since_before_that, &output];
         let pass = Pass::of(device, Shader::at("frame/reproject"), &[("CHANNELS", channels as u32)])?
             .bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))?;
-        let mix = Step { pass, workgroups: gpu::groups(height, width, TILE).into() };
+        let mix = PassDispatch { pass, workgroups: gpu::groups(height, width, TILE).into() };
         Ok(Self {
             parameters,
             size: [height, width],

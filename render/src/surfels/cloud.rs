@@ -1,7 +1,7 @@
 //! The passes that lay surfels out: how many each patch gets, where each begins, where they lie, and the tree
 //! over them.
 
-use super::{HEIGHT, LEAF, Lit, MOST, Surfel, vertices};
+use super::{HEIGHT, LEAF, MOST, Surfel, SurfelLight, vertices};
 use crate::raster::patches::Patch;
 use crate::raster::{World, groups};
 use crate::screen::{Device, MethodStep, Workgroups};
@@ -39,7 +39,7 @@ pub struct Cloud {
     pub totals: wgpu::Buffer,
     /// [`Surfel`]s, in the order of patches.
     pub surfels: wgpu::Buffer,
-    /// What they send, where they are [lit](Lit), `[surfels, 2]` u32.
+    /// What they send, where they are [lit](SurfelLight), `[surfels, 2]` u32.
     pub sent: Option<wgpu::Buffer>,
     /// Boxes around them, the root first: `[nodes, 8]` f32.
     pub nodes: wgpu::Buffer,
@@ -67,7 +67,7 @@ impl Cloud {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, world: &World, lit: Option<Lit>) -> Result<Self, GpuError> {
+    pub fn new(device: &wgpu::Device, world: &World, lit: Option<SurfelLight>) -> Result<Self, GpuError> {
         let patches = world.patches();
         // A binding holds at least one, which is nowhere.
         let patches = if patches.is_empty() { &[Patch::NOWHERE] } else { patches };

@@ -2,7 +2,7 @@
 //! tree.
 
 use super::cloud::{self, Cloud, Tree};
-use super::light::{self, Lit};
+use super::light::{self, SurfelLight};
 use super::{HEIGHT, SurfelDensity};
 use crate::raster::World;
 use crate::screen::{Device, MethodStep, View};
@@ -28,7 +28,7 @@ pub fn steps(
     world: &World,
     uniforms: &[wgpu::Buffer],
     tree: Tree,
-    lit: Option<Lit>,
+    lit: Option<SurfelLight>,
 ) -> Result<(Cloud, Vec<MethodStep>), GpuError> {
     let [settings, view, levels @ ..] = uniforms else { unreachable!("surfels and view come first") };
     let cloud = Cloud::new(device, world, lit)?;

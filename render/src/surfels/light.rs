@@ -7,13 +7,13 @@ use super::kept;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{Device, MethodStep, Step, Workgroups};
+use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::Shader;
 
 /// What of the lights surfels send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lit {
+pub enum SurfelLight {
     /// What they reflect diffusely, on either side.
     Reflected,
     /// What they reflect of light that the medium between them and the lamps has dimmed.
@@ -35,10 +35,10 @@ pub enum Lit {
 pub fn ending(
     device: &Device,
     world: &World,
-    lit: Option<Lit>,
+    lit: Option<SurfelLight>,
     image: &wgpu::Buffer,
 ) -> Result<Option<MethodStep>, GpuError> {
-    (lit == Some(Lit::Kept)).then(|| kept::in_watts(device, world, image)).transpose()
+    (lit == Some(SurfelLight::Kept)).then(|| kept::in_watts(device, world, image)).transpose()
 }
 
 /// The constant that says in which unit surfels send what they kept.
@@ -53,19 +53,19 @@ pub fn kept_unit(world: &World) -> (&'static str, u32) {
 pub fn steps(
     device: &Device,
     world: &World,
-    lit: Lit,
+    lit: SurfelLight,
     cloud: &Cloud,
     [view, sent]: [&wgpu::Buffer; 2],
 ) -> Result<Vec<MethodStep>, GpuError> {
     let count = ("LIGHTS", world.gpu_lights.count as u32);
     let (shader, constants) = match lit {
-        Lit::Kept => return kept::steps(device, world, cloud, sent),
-        Lit::Reflected => (Shader::at("surfels/reflected"), vec![count]),
-        Lit::Dimmed { is_grey } => {
+        SurfelLight::Kept => return kept::steps(device, world, cloud, sent),
+        SurfelLight::Reflected => (Shader::at("surfels/reflected"), vec![count]),
+        SurfelLight::Dimmed { is_grey } => {
             let grey = ("GREY", u32::from(is_grey));
             (Shader::at("surfels/dimmed"), vec![count, ("MEDIUM", world.medium.kind), grey])
         }
-        Lit::Received => (Shader::at("surfels/received"), vec![count]),
+        SurfelLight::Received => (Shader::at("surfels/received"), vec![count]),
     };
     let pass = device.pass(shader, &constants)?;
     let Lights { shining, map_views, pictures, .. } = &world.gpu_lights;
@@ -78,11 +78,11 @@ pub fn steps(
         wgpu::BindingResource::Sampler(&sampler),
         sent.as_entire_binding(),
     ]);
-    if matches!(lit, Lit::Dimmed { .. }) {
+    if matches!(lit, SurfelLight::Dimmed { .. }) {
         let MediumOnGpu { record, densities, .. } = &world.medium;
         resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
     }
     let pass = pass.bind(device, &resources)?;
     let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
-    Ok(vec![MethodStep { step: Step { pass, workgroups }, writes: vec![sent.clone()] }])
+    Ok(vec![MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![sent.clone()] }])
 }

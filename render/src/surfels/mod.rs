@@ -31,7 +31,7 @@ mod tests;
 pub mod vertices;
 
 pub use cloud::{Cloud, Tree};
-pub use light::Lit;
+pub use light::SurfelLight;
 pub use surfel::Surfel;
 
 use crate::screen::View;

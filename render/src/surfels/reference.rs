@@ -1,6 +1,6 @@
 //! Laying surfels out, in plain Rust: what the passes of `shaders/wgsl/surfels` do, without a tree.
 
-use super::{Lit, MOST, Surfel, SurfelDensity};
+use super::{MOST, Surfel, SurfelDensity, SurfelLight};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
@@ -204,7 +204,12 @@ pub fn surfels(scene: &Scene, parameters: &SurfelDensity, view: &View) -> Vec<Di
 }
 
 /// The surfels of a scene that stays, for a view, with the light that they send, if any.
-pub fn laid(scene: &TracedScene, parameters: &SurfelDensity, view: &View, light: Option<Lit>) -> Vec<Disk> {
+pub fn laid(
+    scene: &TracedScene,
+    parameters: &SurfelDensity,
+    view: &View,
+    light: Option<SurfelLight>,
+) -> Vec<Disk> {
     let disks = surfels(scene.scene(), parameters, view);
     match light {
         Some(light) => lit(scene, disks, &view.camera, light),
@@ -233,13 +238,13 @@ fn giving_back(scene: &TracedScene, disks: Vec<Disk>, patches: &[Patch]) -> Vec<
 }
 
 /// Disks that send light of a scene's lamps, with exact shadows.
-pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> Vec<Disk> {
+pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: SurfelLight) -> Vec<Disk> {
     let patches = patches::of_scene(scene.scene());
     let medium = match lit {
-        Lit::Kept => return giving_back(scene, disks, &patches),
-        Lit::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
-        Lit::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
-        Lit::Reflected | Lit::Received => None,
+        SurfelLight::Kept => return giving_back(scene, disks, &patches),
+        SurfelLight::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
+        SurfelLight::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
+        SurfelLight::Reflected | SurfelLight::Received => None,
     };
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
@@ -257,7 +262,8 @@ pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: Lit) -> 
             }
         }
         // Of what is received all is told, as white would send it.
-        let colour = if lit == Lit::Received { Vec3::ONE } else { patches[disk.patch as usize].colour() };
+        let colour =
+            if lit == SurfelLight::Received { Vec3::ONE } else { patches[disk.patch as usize].colour() };
         Disk { sent: received.map(|received| received * colour / PI), ..disk }
     };
     disks.into_par_iter().map(light).collect()

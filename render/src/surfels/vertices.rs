@@ -4,7 +4,7 @@
 
 use crate::raster::geometry::POSED;
 use crate::raster::groups;
-use crate::screen::{Device, MethodStep, Step, Workgroups};
+use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use std::num::NonZeroU64;
@@ -43,7 +43,7 @@ pub fn steps(
         };
         let resources = [view.as_entire_binding(), of(posed, DRAWN), of(vertices, PLACED)];
         let workgroups = Workgroups::Known(groups(here as usize));
-        let step = Step { pass: pass.bind(device, &resources)?, workgroups };
+        let step = PassDispatch { pass: pass.bind(device, &resources)?, workgroups };
         Ok(MethodStep { step, writes: vec![vertices.clone()] })
     };
     (0..count).step_by(at_once as usize).map(part).collect()

@@ -2,19 +2,19 @@
 //! against the rate equation at its texels in the file at each moment.
 
 use crate::build::{Builder, write};
-use deepshade_glow::paint::{Lit, MOST_STATES, Paint, PaintState};
+use deepshade_glow::paint::{LightInterval, MOST_STATES, Paint, PaintState};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{self, Method};
 use deepshade_render::methods::phosphor::RateEquationParameters;
 use deepshade_render::methods::phosphor::tile::{Tiles, texel_weights, texels_around};
 use deepshade_render::past;
-use deepshade_render::path::phosphor::{Afterglow, Place};
+use deepshade_render::path::phosphor::{Afterglow, ReceivingPoint};
 use deepshade_render::path::{self, Sampling, Shot};
-use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
+use deepshade_render::raster::{Frame, frame::FrameStage, frame::RasterSettings};
 use deepshade_render::scene::glow::{Glow, Schedule, Start};
 use deepshade_render::scene::{AnimatedScene, Camera, Light, Scene, SceneSource};
-use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect};
 use glam::{Vec2, Vec3};
@@ -86,10 +86,12 @@ fn expected(path: &Path, tiles: &Tiles) -> Vec<f32> {
         for (tile, [mesh, triangle]) in tiles.tiles.iter().zip(&tiles.origins) {
             let mesh = &scene.scene().meshes[*mesh as usize];
             for (texel, weights) in texel_weights(tile.divisions).enumerate() {
-                let received = afterglow.irradiance(&Place::new(mesh, *triangle as usize, weights))[0];
+                let received =
+                    afterglow.irradiance(&ReceivingPoint::new(mesh, *triangle as usize, weights))[0];
                 let lit = |on: bool| if on { received } else { Vec3::ZERO };
-                let past =
-                    pieces.iter().map(|piece| Lit { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
+                let past = pieces
+                    .iter()
+                    .map(|piece| LightInterval { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
                 let share = &mut shares[tile.first as usize + texel];
                 *share = paint.after(*share, past)[0];
             }
@@ -119,24 +121,24 @@ fn kept_light_moves_and_bends_with_its_surface() {
     let method = ScreenMethod::new(&gpu, TEXELS);
     let mut attributes = vec![Attribute::Light, Attribute::DiffuseLight];
     attributes.extend(method.attributes());
-    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(2048) };
+    let settings = RasterSettings { height: SIZE, width: SIZE, attributes, shadow_size: Some(2048) };
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let view = View { height: SIZE, width: SIZE, camera: camera(), radius: 1.0, seed: 0 };
     let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-    let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+    let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
     for number in 0..=FPS {
         frame.set(&gpu.queue, f32::from(number) / f32::from(FPS), 0.0, &camera());
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-            Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
-            plan.encode(encoder);
+            FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+            passes.encode(encoder);
         })
         .expect("a frame");
     }
-    let step = plan.steps().iter().rev().nth(1).expect("passes");
+    let step = passes.steps().iter().rev().nth(1).expect("passes");
     let mut states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
     // What rounding left is behind them.
     states.truncate(states.len() / 2);
-    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
+    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image");
 
     let tiles = Tiles::new(&animated, &frame.world().geometry.draws, TEXELS.texels);
     let right = expected(&path, &tiles);
@@ -168,10 +170,12 @@ fn kept_light_moves_and_bends_with_its_surface() {
         let tile: &deepshade_shaders::wgsl::uniforms::GlowTile = tile;
         let mesh = &last.scene().meshes[*mesh as usize];
         let share = |weights| {
-            let received = ended.irradiance(&Place::new(mesh, *triangle as usize, weights))[0];
+            let received = ended.irradiance(&ReceivingPoint::new(mesh, *triangle as usize, weights))[0];
             let lit = |on: bool| if on { received } else { Vec3::ZERO };
             let past = glow.past(1.0);
-            let past = past.iter().map(|piece| Lit { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
+            let past = past
+                .iter()
+                .map(|piece| LightInterval { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
             glow.surfaces[0].1.after(0.0, past)[0]
         };
         texel_weights(tile.divisions).map(share).collect::<Vec<_>>()
@@ -262,7 +266,7 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
 
     let glowing = AnimatedScene { scene: now, rigs: animated.rigs };
     let attributes = method.attributes().to_vec();
-    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
+    let settings = RasterSettings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let mut frame = Frame::new(&gpu, &glowing, &settings).expect("a frame");
     // Texels of the plate are for its size later: its diagonal of 1.41 m over a 120th of that of the scene,
     // 5.7 m.
@@ -272,16 +276,16 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     assert!(divisions.len() == 2 && divisions.iter().all(|count| (29..=31).contains(count)), "{divisions:?}");
     let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
     let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-    let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+    let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
     for number in 0..=72u16 {
         frame.set(&gpu.queue, f32::from(number) / 48.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-            Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
-            plan.encode(encoder);
+            FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+            passes.encode(encoder);
         })
         .expect("a frame");
     }
-    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image");
+    let image: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image");
     // Of a frame, a 48th of a second.
     let [of_floor, of_plate] = all(&image, 12.0);
     assert!(of_floor < 0.06 && of_plate < 0.2, "{of_floor} {of_plate}");
@@ -303,7 +307,7 @@ fn kept_light_is_that_of_lamps_as_they_are_given() {
     let method = ScreenMethod::new(&gpu, TEXELS);
     let camera = Camera::look_at(Vec3::new(0.0, 1.6, 3.0), Vec3::new(0.0, 0.4, 0.0));
     let attributes = method.attributes().to_vec();
-    let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
+    let settings = RasterSettings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
     let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
     // The last of frames, each under a lamp at a moment.
     let last = |frames: &[(Light, f32)]| {
@@ -311,17 +315,17 @@ fn kept_light_is_that_of_lamps_as_they_are_given() {
         scene.scene.lights[0] = frames[0].0;
         let mut frame = Frame::new(&gpu, &scene, &settings).expect("a frame");
         let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-        let plan = Plan::new(&method, &inputs, &view).expect("a plan");
+        let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
         for (lamp, moment) in frames {
             frame.set_lights(&gpu.queue, &[*lamp]);
             frame.set(&gpu.queue, *moment, 0.0, &camera);
             gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-                Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
-                plan.encode(encoder);
+                FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+                passes.encode(encoder);
             })
             .expect("a frame");
         }
-        gpu::read::<f32>(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+        gpu::read::<f32>(&gpu.device, &gpu.queue, passes.output()).expect("an image")
     };
     let (bright, dimmed) = (last(&[(lamp, 1.0)]), last(&[(dim, 1.0)]));
     assert!(off(&bright, &dimmed) > 0.3, "{}", off(&bright, &dimmed));

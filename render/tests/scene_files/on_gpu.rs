@@ -3,7 +3,7 @@
 use crate::build::{ONE_MESH, triangle, write};
 use crate::real_data::data;
 use deepshade_render::raster::geometry::POSED;
-use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
+use deepshade_render::raster::{Frame, frame::FrameStage, frame::RasterSettings};
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -27,14 +27,14 @@ fn distances_loaded_at(gpu: &Gpu, path: &Path, loaded: f32, times: &[f32], place
         hall
     };
     let settings =
-        Settings { height: 4, width: 4, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
+        RasterSettings { height: 4, width: 4, attributes: vec![Attribute::Valid], shadow_size: Some(256) };
     let mut frame = Frame::new(gpu, &animated, &settings).expect("a frame");
     let camera = Camera::look_at(Vec3::ONE, Vec3::ZERO);
     let mut worst = [0.0f32; 5];
     let mut before: Option<Scene> = None;
     for time in times {
         frame.set(&gpu.queue, *time, shutter, &camera);
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| frame.encode(Stage::Pose, encoder, None))
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| frame.encode(FrameStage::Pose, encoder, None))
             .expect("valid passes");
         let posed: Vec<f32> =
             gpu::read(&gpu.device, &gpu.queue, &frame.world().geometry.posed).expect("vertices");

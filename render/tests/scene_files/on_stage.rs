@@ -3,7 +3,7 @@
 use crate::build::{Builder, write};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
-use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
+use deepshade_render::raster::{Frame, frame::FrameStage, frame::RasterSettings};
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Planes};
@@ -71,12 +71,12 @@ fn lights_and_what_throws_shadows_move_with_their_nodes() {
         write(folder.path(), "stage.gltf", stage(light));
         let animated = AnimatedScene::load(&SceneSource::File(path.clone()), 0.0).expect("a file");
         let attributes = vec![Attribute::Light, Attribute::DiffuseLight];
-        let settings = Settings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
+        let settings = RasterSettings { height: SIZE, width: SIZE, attributes, shadow_size: Some(1024) };
         let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
         for time in [0.0, 0.5, 1.0] {
             frame.set(&gpu.queue, time, 0.0, &camera());
             gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-                Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+                FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
             })
             .expect("valid passes");
             let found = frame.gbuffer().buffer(Attribute::DiffuseLight);

@@ -2,7 +2,7 @@
 
 use crate::build::{Builder, write};
 use deepshade_render::raster::since::Since;
-use deepshade_render::raster::{Frame, frame::Settings, frame::Stage};
+use deepshade_render::raster::{Frame, frame::FrameStage, frame::RasterSettings};
 use deepshade_render::scene::{AnimatedScene, Camera, SceneSource};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -48,13 +48,13 @@ fn surfaces_moved_as_projections_of_both_frames_say() {
     let second = Camera::look_at(Vec3::new(-0.1, 0.5, 4.6), Vec3::new(0.2, 0.1, 0.0));
     for camera in [first, second] {
         let attributes = vec![Attribute::Valid];
-        let settings = Settings { height: HEIGHT, width: WIDTH, attributes, shadow_size: Some(256) };
+        let settings = RasterSettings { height: HEIGHT, width: WIDTH, attributes, shadow_size: Some(256) };
         let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
         let since = Since::new(&gpu.device, &frame).expect("a pass");
         for (time, camera) in [(0.0, first), (1.0, camera)] {
             frame.set(&gpu.queue, time, 0.0, &camera);
             gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-                Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+                FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
                 since.encode(encoder, None);
             })
             .expect("valid passes");

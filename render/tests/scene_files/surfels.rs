@@ -8,7 +8,7 @@ use deepshade_render::methods::{Quality, surfel};
 use deepshade_render::raster::World;
 use deepshade_render::raster::patches;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
-use deepshade_render::screen::{Device, GpuGBuffer, Inputs, MethodStep, Plan, ScreenMethod, View};
+use deepshade_render::screen::{Device, GpuGBuffer, Inputs, MethodPasses, MethodStep, ScreenMethod, View};
 use deepshade_render::surfels::{self, Surfel, Tree, frame};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -176,9 +176,9 @@ fn a_frame_is_shaded_as_the_same_scene_that_stays() {
     );
     let image = |world: &World| -> Vec<f32> {
         let inputs = Inputs { gbuffer: &there, environment: None, world: Some(world) };
-        let plan = Plan::new(&method, &inputs, &view).expect("room");
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+        let passes = MethodPasses::new(&method, &inputs, &view).expect("room");
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
+        gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image")
     };
     let right = image(&World::new(&gpu, &stays.into(), None).expect("room"));
     let off = |loaded: f32, time: f32| {

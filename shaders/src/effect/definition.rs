@@ -36,7 +36,7 @@ pub struct Definition {
     /// neighbourhood's light cannot serve for all colours.
     pub parts_colours: bool,
     /// What changes it, beside scene and camera. What is not here is refused where it is asked for.
-    pub listens_to: &'static [Setting],
+    pub listens_to: &'static [EffectSetting],
     /// Whether its pairs stay sound when they are turned and mirrored.
     pub turns: bool,
     /// What its pairs hold: what its network reads (thesis, Table 7.1), what its analytic methods read
@@ -111,7 +111,7 @@ impl LitBy {
 
 /// What may be set of a frame beside scene and camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Setting {
+pub enum EffectSetting {
     /// How far the effect reaches.
     Radius,
     /// How long the shutter is open.

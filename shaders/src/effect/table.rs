@@ -2,8 +2,8 @@
 //! of [`Effect`] and an integrator of its truth.
 
 use super::Effect;
-use super::definition::Setting::{Environment, Lens, Medium, Phosphor, Radius, Shutter};
-use super::definition::{Definition, DoingNothing, LitBy, Setting};
+use super::definition::EffectSetting::{Environment, Lens, Medium, Phosphor, Radius, Shutter};
+use super::definition::{Definition, DoingNothing, EffectSetting, LitBy};
 use crate::Attribute::{
     self, Blurriness, Depth, Diffuse, DiffuseLight, Emission, Glossiness, MeanFreePath, Motion, Normal,
     Position, Specular, ToCamera, Valid, WorldNormal,
@@ -130,7 +130,7 @@ pub(super) const TABLE: [Definition; 18] = [
         filters_light: true,
         hides_light: false,
         parts_colours: true,
-        listens_to: &[Setting::MeanFreePath],
+        listens_to: &[EffectSetting::MeanFreePath],
         turns: true,
         attributes: &[Position, MeanFreePath, Attribute::Light, Valid],
         needs: Some("mean_free_path"),
@@ -150,7 +150,7 @@ pub(super) const TABLE: [Definition; 18] = [
         filters_light: false,
         hides_light: false,
         parts_colours: true,
-        listens_to: &[Setting::MeanFreePath],
+        listens_to: &[EffectSetting::MeanFreePath],
         turns: true,
         // The walk below the surface ends where it began in another direction, and takes on the surface's
         // colour. What is reflected specularly does not enter.

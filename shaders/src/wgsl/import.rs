@@ -4,7 +4,7 @@
 //! - `#constant HEIGHT = 8`: a whole number, which Rust may set otherwise.
 //! - `#template`: something that Rust writes, without which it is no shader.
 
-use super::place::Place;
+use super::source_line::SourceLine;
 use std::collections::BTreeSet;
 
 include!(concat!(env!("OUT_DIR"), "/wgsl_files.rs"));
@@ -71,7 +71,7 @@ pub(super) struct Constant {
     /// What it is where Rust says nothing else.
     pub default: u32,
     /// Where it is stated.
-    place: Place<'static>,
+    place: SourceLine<'static>,
 }
 
 /// Files put together.
@@ -180,11 +180,11 @@ impl Directive {
 fn parts(
     file: &'static str,
     text: &'static str,
-) -> Result<(Vec<(Place<'static>, Directive)>, String), String> {
+) -> Result<(Vec<(SourceLine<'static>, Directive)>, String), String> {
     let (mut directives, mut own) = (Vec::new(), String::new());
     let (mut next, mut follows, mut begun) = (0, false, false);
     for (line, said) in (1..).zip(text.lines()) {
-        let place = Place { file, line };
+        let place = SourceLine { file, line };
         if said.trim_start().starts_with('#') {
             let directive =
                 Directive::parse(said).ok_or_else(|| format!("{place}: `{said}` is no directive"))?;

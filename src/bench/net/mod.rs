@@ -24,7 +24,7 @@ use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use measurement::Measurement;
 use peaks::Peaks;
-use rivals::{Devices, Race};
+use rivals::{Devices, EngineComparison};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -124,7 +124,10 @@ fn measure(args: &Args, gpu: &Gpu) -> Result<()> {
     bench.figures.detail("shipped", json!(subjects::trained(&subjects)));
     for subject in &subjects {
         for size in sizes(args, gpu) {
-            bench.add(&Race { subject, size, effort: args.effort(), devices: &devices }, args.layers);
+            bench.add(
+                &EngineComparison { subject, size, effort: args.effort(), devices: &devices },
+                args.layers,
+            );
         }
     }
     bench.finish(args, &devices)
@@ -164,7 +167,7 @@ impl Bench {
         Ok(Self { figures, peaks, made: Vec::new(), layers: Vec::new(), failed: Vec::new() })
     }
 
-    fn add(&mut self, race: &Race<'_>, with_layers: bool) {
+    fn add(&mut self, race: &EngineComparison<'_>, with_layers: bool) {
         let outcome = race.run();
         let network = &race.subject.name;
         if race.size == PAPER {
@@ -183,7 +186,7 @@ impl Bench {
         }
     }
 
-    fn add_layers(&mut self, race: &Race<'_>) {
+    fn add_layers(&mut self, race: &EngineComparison<'_>) {
         note!("{}: layers", race.name());
         match layers::rows(race.devices.gpu, race.subject, race.size) {
             Ok(rows) => self.layers.extend(rows),

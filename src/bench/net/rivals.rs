@@ -4,7 +4,7 @@ use super::super::pytorch;
 use super::layers;
 use super::measurement::{Device, Measurement};
 use super::subjects::MeasuredNetwork;
-use super::turns::{Effort, FEWEST, Work, in_turns};
+use super::turns::{Effort, EngineRun, FEWEST, in_turns};
 use crate::onnxruntime;
 use anyhow::{Result, ensure};
 use deepshade_infer::forward::Precision;
@@ -42,7 +42,7 @@ pub struct Devices<'a> {
 }
 
 /// One network at one size.
-pub struct Race<'a> {
+pub struct EngineComparison<'a> {
     /// The network.
     pub subject: &'a MeasuredNetwork,
     /// Columns and rows.
@@ -53,19 +53,19 @@ pub struct Race<'a> {
     pub devices: &'a Devices<'a>,
 }
 
-/// What came of a race.
+/// What came of a comparison of engines.
 #[derive(Debug, Default)]
-pub struct Outcome {
+pub struct EngineMeasurements {
     /// What was measured.
     pub made: Vec<Measurement>,
     /// What was not, and why.
     pub failed: Vec<String>,
 }
 
-impl Race<'_> {
+impl EngineComparison<'_> {
     /// Measures all engines; what does not run is left out of what is made.
-    pub fn run(&self) -> Outcome {
-        let mut outcome = Outcome::default();
+    pub fn run(&self) -> EngineMeasurements {
+        let mut outcome = EngineMeasurements::default();
         for (engine, precision) in precisions(self.devices.gpu) {
             self.begin(engine);
             self.add(&mut outcome, engine, self.wgsl(engine, precision));
@@ -91,7 +91,12 @@ impl Race<'_> {
         note!("{}: {engine}", self.name());
     }
 
-    fn add(&self, outcome: &mut Outcome, engine: &str, made: Result<impl IntoIterator<Item = Measurement>>) {
+    fn add(
+        &self,
+        outcome: &mut EngineMeasurements,
+        engine: &str,
+        made: Result<impl IntoIterator<Item = Measurement>>,
+    ) {
         match made {
             Ok(made) => outcome.made.extend(made),
             Err(error) => outcome.failed.push(format!("{}: {engine}: {error:#}", self.name())),
@@ -134,14 +139,14 @@ impl Race<'_> {
         in_turns(engines, self.effort).into_iter().map(made).collect()
     }
 
-    fn cpu<'a>(&self, input: &'a Planes) -> Result<Work<'a>> {
+    fn cpu<'a>(&self, input: &'a Planes) -> Result<EngineRun<'a>> {
         let Model { spec, weights } = &self.subject.model;
         let [width, height] = self.size;
         let mut plan = cpu::Network::new(spec, weights)?.plan(height, width)?;
         Ok(Box::new(move || Ok(plan.run(input).map(drop)?)))
     }
 
-    fn onnxruntime<'a>(&self, library: &onnxruntime::Args, input: &'a Planes) -> Result<Work<'a>> {
+    fn onnxruntime<'a>(&self, library: &onnxruntime::Args, input: &'a Planes) -> Result<EngineRun<'a>> {
         let mut session = library.session(&self.subject.onnx, self.devices.threads)?;
         Ok(Box::new(move || session.image(input).map(drop)))
     }

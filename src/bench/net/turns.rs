@@ -20,11 +20,11 @@ const TURNS: usize = 3;
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A run of an engine.
-pub type Work<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
+pub type EngineRun<'a> = Box<dyn FnMut() -> Result<()> + 'a>;
 
 /// Runs the engines in turns. One that fails has no further ones, which is no other's fault.
 pub fn in_turns<'a>(
-    engines: Vec<(&'a str, Result<Work<'_>>)>,
+    engines: Vec<(&'a str, Result<EngineRun<'_>>)>,
     effort: Effort,
 ) -> Vec<(&'a str, Result<Timing>)> {
     let ready = |(name, work): (&'a str, Result<_>)| (name, work.map(|work| (work, Vec::new())));
@@ -43,7 +43,7 @@ pub fn in_turns<'a>(
 
 /// A turn of an engine. It begins with a pause, since onnxruntime's threads wait for more work by spinning,
 /// and with a run that does not count.
-fn turn(work: &mut Work<'_>, effort: Effort, times: &mut Vec<f64>) -> Result<()> {
+fn turn(work: &mut EngineRun<'_>, effort: Effort, times: &mut Vec<f64>) -> Result<()> {
     std::thread::sleep(PAUSE);
     work()?;
     let turn = Instant::now();
@@ -72,7 +72,7 @@ mod tests {
             left -= 1;
             if left == 0 { bail!("no memory") } else { Ok(()) }
         };
-        let engines: Vec<(&str, Result<Work<'_>>)> = vec![
+        let engines: Vec<(&str, Result<EngineRun<'_>>)> = vec![
             ("missing", Err(anyhow::anyhow!("no library"))),
             ("sound", Ok(Box::new(|| Ok(())))),
             ("failing", Ok(Box::new(failing))),

@@ -27,7 +27,7 @@ fn random(spec: NetSpec) -> Model {
 
 /// The network that corrects gtao's estimate.
 fn corrected() -> Model {
-    let estimate = deepshade_infer::Estimate { method: "gtao".to_owned(), quality: "low".to_owned() };
+    let estimate = deepshade_infer::AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
     random(NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one"))
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use deepshade_render::bvh::{Hit, TracedScene};
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::nearest::nearest_in_triangle;
-use deepshade_render::path::phosphor::{Afterglow, Place as OnSurface};
+use deepshade_render::path::phosphor::{Afterglow, ReceivingPoint};
 use deepshade_render::scene::glow::{Glow, Schedule, Start};
 use deepshade_render::scene::{AnimatedScene, Mesh, Scene};
 use glam::{Vec2, Vec3};
@@ -41,12 +41,12 @@ impl Spot {
 
 /// What a task's places are on: the scene over time, with lamps switched as the task says. Its file is read
 /// once.
-pub struct Stage {
+pub struct SwitchedScene {
     pub animated: AnimatedScene,
     schedules: Vec<Schedule>,
 }
 
-impl Stage {
+impl SwitchedScene {
     /// That of a task.
     ///
     /// # Errors
@@ -54,9 +54,9 @@ impl Stage {
     pub fn new(task: &Task) -> Result<Self> {
         let scene = || format!("scene {}", task.scene);
         let animated = AnimatedScene::load(&task.scene, 0.0).with_context(scene)?;
-        let stage = Self { animated, schedules: task.schedules()? };
-        stage.glow(0.0).check(&stage.animated.scene).map_err(anyhow::Error::msg)?;
-        Ok(stage)
+        let switched = Self { animated, schedules: task.schedules()? };
+        switched.glow(0.0).check(&switched.animated.scene).map_err(anyhow::Error::msg)?;
+        Ok(switched)
     }
 
     /// The scene at a moment, seconds.
@@ -109,25 +109,25 @@ pub fn spot(scene: &TracedScene, at: Vec3) -> Result<Spot> {
 /// If a vertex is nowhere in a frame.
 pub fn received(
     task: &Task,
-    stage: &Stage,
+    switched: &SwitchedScene,
     first: &TracedScene,
     (spots, eye): (&[Spot], Vec3),
 ) -> Result<[PerFrame; 2]> {
     let albedos: Vec<Vec3> = spots.iter().map(|spot| spot.albedo(first)).collect();
-    let moves = !stage.animated.rigs.is_empty();
+    let moves = !switched.animated.rigs.is_empty();
     let [mut excites, mut reflected] = [(); 2].map(|()| vec![Vec::with_capacity(task.frames); spots.len()]);
-    let mut lit = Lit::of(first, spots, eye);
+    let mut irradiance = SpotIrradiance::of(first, spots, eye);
     for frame in 0..task.frames {
         let (from, to) = (task.seconds(frame), task.seconds(frame + 1));
         if moves {
-            lit = Lit::of(&stage.at(0.5 * (from + to))?, spots, eye);
+            irradiance = SpotIrradiance::of(&switched.at(0.5 * (from + to))?, spots, eye);
         }
         let pieces = Glow::of(first.scene()).between(from, to);
         let now = pieces.first();
         for (place, albedo) in albedos.iter().enumerate() {
-            let all = pieces.iter().map(|piece| piece.light(&lit.whole[place]) * piece.seconds);
+            let all = pieces.iter().map(|piece| piece.light(&irradiance.whole[place]) * piece.seconds);
             excites[place].push(all.sum::<Vec3>() / (to - from));
-            let seen = now.map_or(Vec3::ZERO, |piece| piece.light(&lit.seen[place]));
+            let seen = now.map_or(Vec3::ZERO, |piece| piece.light(&irradiance.seen[place]));
             reflected[place].push(*albedo * seen / PI);
         }
     }
@@ -138,18 +138,18 @@ pub fn received(
 pub type PerFrame = Vec<Vec<Vec3>>;
 
 /// Irradiance of places by the lamps of each schedule when they shine, `[places][schedules]`.
-struct Lit {
+struct SpotIrradiance {
     /// On both sides together.
     whole: Vec<Vec<Vec3>>,
     /// On the side that is seen.
     seen: Vec<Vec<Vec3>>,
 }
 
-impl Lit {
+impl SpotIrradiance {
     fn of(scene: &TracedScene, spots: &[Spot], eye: Vec3) -> Self {
         let afterglow = Afterglow::new(scene);
         let of_spot = |spot: &Spot| {
-            let place = OnSurface::new(&scene.scene().meshes[spot.mesh], spot.triangle, spot.weights);
+            let place = ReceivingPoint::new(&scene.scene().meshes[spot.mesh], spot.triangle, spot.weights);
             (afterglow.irradiance(&place), afterglow.irradiance_towards(&place, eye - place.position))
         };
         let (whole, seen) = spots.iter().map(of_spot).unzip();

@@ -5,7 +5,7 @@ use crate::figures::write_atomically;
 use crate::plot::{CHANNELS, Line, Plot, Style};
 use anyhow::Result;
 use deepshade_glow::material::Material;
-use deepshade_phosphor::design::Place;
+use deepshade_phosphor::design::TargetPoint;
 use deepshade_phosphor::simulation::Simulation;
 use std::path::Path;
 
@@ -28,7 +28,7 @@ fn title(task: &Task, number: usize, material: &str) -> String {
     format!("Place {number} at {}, {material}: wanted (dots) and reached", task.places[number - 1].at)
 }
 
-fn plot(task: &Task, place: &Place, material: &Material) -> Result<Plot> {
+fn plot(task: &Task, place: &TargetPoint, material: &Material) -> Result<Plot> {
     let reached = seen(place, material)?;
     let at = |frame: usize| f64::from(task.seconds(frame));
     let lines = CHANNELS.iter().enumerate().flat_map(|(channel, (name, its))| {
@@ -53,7 +53,7 @@ fn plot(task: &Task, place: &Place, material: &Material) -> Result<Plot> {
 }
 
 /// What a place looks like in each frame.
-fn seen(place: &Place, material: &Material) -> Result<Vec<Vec<f64>>> {
+fn seen(place: &TargetPoint, material: &Material) -> Result<Vec<Vec<f64>>> {
     let mut run = Simulation::dark(material);
     let frame = |(frame, light): (usize, &Vec<f64>)| {
         let mut seen = run.emission();

@@ -1,6 +1,6 @@
 //! A strip of pictures of what was designed, at the moments at which something is wanted.
 
-use super::{Designed, light::Stage, task::Task};
+use super::{Designed, light::SwitchedScene, task::Task};
 use crate::report::images::{shown, write_png};
 use anyhow::{Context, Result};
 use deepshade_dataset::font;
@@ -33,7 +33,7 @@ const INK: Rgb<u8> = Rgb([255; 3]);
 /// moment.
 pub fn write(
     task: &Task,
-    (stage, camera): (&Stage, &Camera),
+    (switched, camera): (&SwitchedScene, &Camera),
     found: &[Designed],
     glow: &Path,
     size: [usize; 2],
@@ -41,7 +41,7 @@ pub fn write(
     let moments: Vec<(usize, Vec<usize>)> = moments(found).into_iter().collect();
     let count = moments.len().min(PICTURES);
     let chosen: Vec<_> = (0..count).map(|index| &moments[index * moments.len() / count]).collect();
-    let picture = |(frame, _): &&(usize, _)| picture((stage, camera), glow, task.seconds(*frame), size);
+    let picture = |(frame, _): &&(usize, _)| picture((switched, camera), glow, task.seconds(*frame), size);
     let images = chosen.iter().map(picture).collect::<Result<Vec<_>>>()?;
     let brightest = images
         .iter()
@@ -92,11 +92,16 @@ fn side_by_side(pictures: &[(RgbImage, String)]) -> RgbImage {
     strip
 }
 
-fn picture((stage, camera): (&Stage, &Camera), glow: &Path, moment: f32, size: [usize; 2]) -> Result<Planes> {
+fn picture(
+    (switched, camera): (&SwitchedScene, &Camera),
+    glow: &Path,
+    moment: f32,
+    size: [usize; 2],
+) -> Result<Planes> {
     let glow = Glow::read(glow, moment)?;
-    glow.check(&stage.animated.scene).map_err(anyhow::Error::msg).context("what was designed")?;
-    let now = Scene { glow: Some(Arc::new(glow)), ..stage.animated.scene.clone() };
-    let scene = past::of_animation(&stage.animated, &now)?;
+    glow.check(&switched.animated.scene).map_err(anyhow::Error::msg).context("what was designed")?;
+    let now = Scene { glow: Some(Arc::new(glow)), ..switched.animated.scene.clone() };
+    let scene = past::of_animation(&switched.animated, &now)?;
     let shot = Shot::new(&scene, camera, size, scene.diagonal());
     Ok(path::render(Effect::Phosphor, &shot, Sampling::one(SAMPLES, 1)).mean)
 }

@@ -31,13 +31,13 @@ fn task(bands: Bands, at: &[Vec3]) -> Task {
     task
 }
 
-fn stage(task: &Task) -> Stage {
-    Stage::new(task).expect("a scene")
+fn switched(task: &Task) -> SwitchedScene {
+    SwitchedScene::new(task).expect("a scene")
 }
 
 /// The radiance that truth shows of a place with a material.
 fn rendered(task: &Task, spot: &Spot, material: &Material, time: f32) -> Vec<f64> {
-    let scene = stage(task).at(time).expect("a scene");
+    let scene = switched(task).at(time).expect("a scene");
     let paint = Paint::new(material, task.spectrum).expect("few states");
     let glow = Glow { surfaces: vec![(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
@@ -59,7 +59,7 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
     ];
     for (bands, spectrum) in asked {
         let blank = Task { spectrum, ..task(bands, &[]) };
-        let scene = stage(&blank).at(0.0).expect("a room");
+        let scene = switched(&blank).at(0.0).expect("a room");
         let mut task = Task { spectrum, ..task(bands, &LIT) };
         let hidden = hidden(bands);
         for place in &mut task.places {
@@ -68,7 +68,7 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
                 key.colour = rendered(&blank, &spot, &hidden, key.time);
             }
         }
-        let found = designs(&task, &stage(&task), Vec3::ZERO).expect("designs");
+        let found = designs(&task, &switched(&task), Vec3::ZERO).expect("designs");
         let residual: f64 = found.iter().map(|found| found.design.residual / found.wanted()).sum();
         assert!(residual < 1e-5, "{bands:?} {spectrum:?}: {residual}");
         for found in &found {
@@ -83,7 +83,7 @@ fn parameters_are_found_again_from_what_was_rendered_with_them() {
 #[test]
 fn files_are_those_that_rendering_reads() {
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = stage(&task(Bands::Rgb, &[])).at(0.0).expect("a room");
+    let scene = switched(&task(Bands::Rgb, &[])).at(0.0).expect("a room");
     let at = LIT[0].to_array();
     let text = format!(
         "scene = 'room:7'\nframes = 60\nfps = 10\nspectrum = 'led'\n[spread]\ndistance = 1e4\ncolour = 10.0\n\
@@ -108,8 +108,9 @@ fn files_are_those_that_rendering_reads() {
 
 #[test]
 fn places_that_cannot_be_are_refused() {
-    let said =
-        |task: &Task| format!("{:#}", designs(task, &stage(task), Vec3::ZERO).err().expect("no such design"));
+    let said = |task: &Task| {
+        format!("{:#}", designs(task, &switched(task), Vec3::ZERO).err().expect("no such design"))
+    };
     let far = task(Bands::Rgb, &[Vec3::splat(1e3)]);
     assert!(said(&far).contains("from the next surface"));
     let mut dark = task(Bands::Rgb, &LIT[..1]);
@@ -143,7 +144,7 @@ fn of_materials_of_one_name_the_one_of_the_place_is_designed() {
     std::fs::write(path("wanted.toml"), text).expect("written");
     let args = Args { file: path("wanted.toml"), out: path("designed"), height: 32, json: None };
     run(&args).expect("a design");
-    let scene = stage(&Task::read(&args.file).expect("a task")).at(0.0).expect("a scene");
+    let scene = switched(&Task::read(&args.file).expect("a task")).at(0.0).expect("a scene");
     let glow = Glow::read(&args.out.join("glow.toml"), 1.5).expect("a sound file");
     assert_eq!(glow.surfaces[0].0.as_deref(), Some("paper#2"));
     assert_eq!(glow.paints_of(scene.scene())[..2], [None, Some(0)]);
@@ -180,13 +181,13 @@ fn reflected_light_is_that_of_the_side_that_is_seen() {
     let text = format!("scene = '{}'\nplace = []\nframes = 8\nfps = 2\nreflected = true\n", file.display());
     let mut task: Task = toml::from_str(&text).expect("a task");
     task.places = vec![WantedPlace { at: Vec3::new(0.1, 0.0, 0.0), keys: vec![] }];
-    let stage = stage(&task);
+    let switched = switched(&task);
     std::fs::remove_file(&file).expect("deleted");
-    let first = stage.at(0.0).expect("a scene");
+    let first = switched.at(0.0).expect("a scene");
     let spots = [light::spot(&first, task.places[0].at).expect("paper")];
     assert!(spots[0].albedo(&first).min_element() > 0.1);
     for (eye, lit) in [(Vec3::Y * 4.0, 0..4), (Vec3::NEG_Y * 4.0, 4..8)] {
-        let [excites, reflected] = light::received(&task, &stage, &first, (&spots, eye)).expect("light");
+        let [excites, reflected] = light::received(&task, &switched, &first, (&spots, eye)).expect("light");
         for frame in 0..8 {
             let irradiance = excites[0][frame];
             assert!((irradiance / excites[0][0] - 1.0).abs().max_element() < 1e-5, "{frame}: {irradiance}");
@@ -206,7 +207,7 @@ fn reflected_light_is_that_of_the_side_that_is_seen() {
 fn plots_have_the_numbers_of_their_places() {
     let folder = tempfile::tempdir().expect("a folder");
     let blank = task(Bands::Rgb, &[]);
-    let scene = stage(&blank).at(0.0).expect("a room");
+    let scene = switched(&blank).at(0.0).expect("a room");
     let wall = Vec3::new(1.5, 1.6, scene.bounds().min.z);
     let mut places = [LIT[0], wall].map(|at| (light::spot(&scene, at).expect("a surface").material, at));
     places.sort_by_key(|(material, _)| std::cmp::Reverse(*material));
@@ -217,7 +218,7 @@ fn plots_have_the_numbers_of_their_places() {
     for (place, red) in task.places.iter_mut().zip([0.01, 0.02]) {
         place.keys.iter_mut().for_each(|key| key.colour = vec![red, 0.01, 0.01]);
     }
-    let found = designs(&task, &stage(&task), Vec3::ZERO).expect("designs");
+    let found = designs(&task, &switched(&task), Vec3::ZERO).expect("designs");
     pictures::plots(&task, &found, folder.path()).expect("plots");
     for (number, material) in [(1, first), (2, second)] {
         let svg = std::fs::read_to_string(folder.path().join(format!("place-{number}.svg"))).expect("a plot");

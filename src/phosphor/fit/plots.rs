@@ -2,7 +2,7 @@
 
 use crate::plot::{CHANNELS, Line, Plot, Style};
 use deepshade_glow::spectrum::{Axis, Bands};
-use deepshade_phosphor::fit::{Explained, Fit, Part};
+use deepshade_phosphor::fit::{Explained, Fit, MeasurementKind};
 
 /// Colours of eight bands of light, from violet to red, no two alike.
 const SPECTRUM: [[u8; 3]; 8] = [
@@ -17,7 +17,7 @@ const SPECTRUM: [[u8; 3]; 8] = [
 ];
 
 /// The photographs of a part, each as its values in the channels.
-pub fn photographs(fit: &Fit, part: Part) -> impl Iterator<Item = &[Explained]> {
+pub fn photographs(fit: &Fit, part: MeasurementKind) -> impl Iterator<Item = &[Explained]> {
     fit.values.chunks_exact(CHANNELS.len()).filter(move |photograph| photograph[0].part == part)
 }
 
@@ -25,7 +25,7 @@ pub fn photographs(fit: &Fit, part: Part) -> impl Iterator<Item = &[Explained]> 
 pub fn explained(fit: &Fit) -> Plot {
     let of_channel = |(channel, (name, colour)): (usize, (&str, [u8; 3]))| {
         let points = |of: fn(&Explained) -> f64| {
-            let decay = photographs(fit, Part::Decay).map(|photograph| &photograph[channel]);
+            let decay = photographs(fit, MeasurementKind::Decay).map(|photograph| &photograph[channel]);
             decay.map(|value| (value.seconds, of(value))).collect::<Vec<_>>()
         };
         let line = |name: String, points, style| Line { name, points, style, colour: Some(colour) };
@@ -41,13 +41,13 @@ pub fn explained(fit: &Fit) -> Plot {
 /// What is left of a part of the measurements, over its noise; without lines where there is none of it. Of
 /// the decay and of photographs through filters each channel is shown, of excitation for each band the
 /// channel of which most is left.
-pub fn residuals(fit: &Fit, part: Part) -> Plot {
+pub fn residuals(fit: &Fit, part: MeasurementKind) -> Plot {
     let each = "measured less fitted, standard errors";
     let (x, y, lines) = match part {
-        Part::Decay => {
+        MeasurementKind::Decay => {
             ("time in the dark, s", each, of_channels(fit, part, Style::Dots, |value| value.seconds))
         }
-        Part::Spectrum => {
+        MeasurementKind::Spectrum => {
             let number = |value: &Explained| (value.place + 1) as f64;
             (
                 "filter, counted as the columns of filters.csv",
@@ -55,7 +55,7 @@ pub fn residuals(fit: &Fit, part: Part) -> Plot {
                 of_channels(fit, part, Style::Points, number),
             )
         }
-        Part::Excitation => {
+        MeasurementKind::Excitation => {
             let farthest = "measured less fitted, standard errors, of the channel farthest off";
             ("time of light, s", farthest, of_bands(fit))
         }
@@ -70,7 +70,7 @@ pub fn residuals(fit: &Fit, part: Part) -> Plot {
 }
 
 /// A line a channel, against what a value has for `x`.
-fn of_channels(fit: &Fit, part: Part, style: Style, x: fn(&Explained) -> f64) -> Vec<Line> {
+fn of_channels(fit: &Fit, part: MeasurementKind, style: Style, x: fn(&Explained) -> f64) -> Vec<Line> {
     let line = |(channel, (name, colour)): (usize, (&str, [u8; 3]))| {
         let values = photographs(fit, part).map(|photograph| &photograph[channel]);
         let points = values.map(|value| (x(value), left(value))).collect();
@@ -82,7 +82,8 @@ fn of_channels(fit: &Fit, part: Part, style: Style, x: fn(&Explained) -> f64) ->
 /// A line a band of light, against how long it shone.
 fn of_bands(fit: &Fit) -> Vec<Line> {
     let line = |band: usize| {
-        let its = photographs(fit, Part::Excitation).filter(|photograph| photograph[0].place == band);
+        let its =
+            photographs(fit, MeasurementKind::Excitation).filter(|photograph| photograph[0].place == band);
         let mut points: Vec<_> =
             its.map(|photograph| (photograph[0].seconds, farthest(photograph))).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -125,7 +126,7 @@ mod tests {
 
     #[test]
     fn filters_lie_side_by_side() {
-        let plot = residuals(&fit(), Part::Spectrum);
+        let plot = residuals(&fit(), MeasurementKind::Spectrum);
         assert_eq!(plot.lines.len(), 3);
         for line in plot.lines {
             let places: Vec<f64> = line.points.iter().map(|point| point.0).collect();
@@ -138,27 +139,27 @@ mod tests {
     fn every_band_of_light_has_a_line_of_its_own() {
         let mut fit = fit();
         fit.values.reverse();
-        let plot = residuals(&fit, Part::Excitation);
+        let plot = residuals(&fit, MeasurementKind::Excitation);
         let names: Vec<&str> = plot.lines.iter().map(|line| line.name.as_str()).collect();
         assert_eq!(names, ["419 nm", "456 nm", "494 nm"]);
         for line in &plot.lines {
             assert!(line.points.len() == 11 && line.points.is_sorted_by(|a, b| a.0 < b.0), "{line:?}");
             assert!(line.points.iter().all(|point| point.1.abs() < 6.0), "{line:?}");
         }
-        fit.values.retain(|value| value.part == Part::Decay);
-        assert!(residuals(&fit, Part::Excitation).lines.is_empty());
-        assert_eq!(residuals(&fit, Part::Decay).lines.len(), 3);
+        fit.values.retain(|value| value.part == MeasurementKind::Decay);
+        assert!(residuals(&fit, MeasurementKind::Excitation).lines.is_empty());
+        assert_eq!(residuals(&fit, MeasurementKind::Decay).lines.len(), 3);
     }
 
     #[test]
     fn bands_have_the_colours_of_their_light() {
         let mut fit = fit();
-        let lines = residuals(&fit, Part::Excitation).lines;
+        let lines = residuals(&fit, MeasurementKind::Excitation).lines;
         let colours: Vec<_> = lines.iter().map(|line| line.colour).collect();
         assert_eq!(colours, SPECTRUM[..3].iter().copied().map(Some).collect::<Vec<_>>());
         assert!((0..8).all(|band| !SPECTRUM[..band].contains(&SPECTRUM[band])), "no two alike");
         fit.material.bands = Bands::Rgb;
-        let lines = residuals(&fit, Part::Excitation).lines;
+        let lines = residuals(&fit, MeasurementKind::Excitation).lines;
         let named: Vec<_> = lines.iter().map(|line| (line.name.as_str(), line.colour)).collect();
         assert_eq!(named, CHANNELS.map(|(name, colour)| (name, Some(colour))));
     }
@@ -170,7 +171,7 @@ mod tests {
         for (index, value) in fit.values.iter_mut().enumerate() {
             value.measured = value.fitted + [4.0, 0.0, -5.0][index % 3] * value.noise;
         }
-        let plot = residuals(&fit, Part::Excitation);
+        let plot = residuals(&fit, MeasurementKind::Excitation);
         let mut points = plot.lines.iter().flat_map(|line| &line.points);
         assert!(points.all(|point| (point.1 + 5.0).abs() < 1e-6), "{:?}", plot.lines);
     }

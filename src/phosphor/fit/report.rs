@@ -6,7 +6,7 @@ use super::{how_well, rows};
 use anyhow::Result;
 use askama::Template;
 use deepshade_phosphor::difference::ciede2000;
-use deepshade_phosphor::fit::{Explained, Fit, Part, Warning};
+use deepshade_phosphor::fit::{Explained, Fit, MeasurementKind, Warning};
 
 /// The page as HTML.
 ///
@@ -15,9 +15,9 @@ use deepshade_phosphor::fit::{Explained, Fit, Part, Warning};
 pub fn page(fit: &Fit) -> Result<String> {
     let mut plots = vec![explained(fit).svg("The decay: measured (dots) and fitted")?];
     for (part, title) in [
-        (Part::Decay, "What is left of the decay"),
-        (Part::Spectrum, "What is left of photographs through filters"),
-        (Part::Excitation, "What is left of photographs after light of one band"),
+        (MeasurementKind::Decay, "What is left of the decay"),
+        (MeasurementKind::Spectrum, "What is left of photographs through filters"),
+        (MeasurementKind::Excitation, "What is left of photographs after light of one band"),
     ] {
         let plot = residuals(fit, part);
         if !plot.lines.is_empty() {
@@ -54,7 +54,7 @@ struct Page<'a> {
 /// CIEDE2000 between photograph and fit at the first, the middle and the last photograph of the decay, and in
 /// the mean, the brightest colour of all being 1.
 fn differences(fit: &Fit) -> Vec<[String; 2]> {
-    let photographs: Vec<&[Explained]> = photographs(fit, Part::Decay).collect();
+    let photographs: Vec<&[Explained]> = photographs(fit, MeasurementKind::Decay).collect();
     let brightest = photographs.iter().copied().flatten().map(|value| value.measured).fold(0.0, f64::max);
     let difference = |photograph: &&[Explained]| {
         let colour =

@@ -1,6 +1,6 @@
 //! The parameters of a fit as a table.
 
-use deepshade_phosphor::fit::{Estimate, Fit, Parameter, listed_bands};
+use deepshade_phosphor::fit::{Fit, Parameter, ParameterEstimate, listed_bands};
 use std::f64::consts::LN_2;
 
 /// How many digits of a number count.
@@ -49,19 +49,19 @@ fn row(state: usize, parameter: String, value: String, interval: String) -> Vec<
     vec![(state + 1).to_string(), parameter, value, interval]
 }
 
-fn estimated(estimate: &Estimate) -> Vec<String> {
+fn estimated(estimate: &ParameterEstimate) -> Vec<String> {
     let name = parameter_name(estimate.parameter);
     row(estimate.state, name, significant(estimate.value), interval(estimate, |[low, high]| [low, high]))
 }
 
 /// What a decay means as a time.
-fn half_life(decay: &Estimate) -> Vec<String> {
+fn half_life(decay: &ParameterEstimate) -> Vec<String> {
     let interval = interval(decay, |[low, high]| [LN_2 / high, LN_2 / low]);
     row(decay.state, "half life, s".to_owned(), significant(LN_2 / decay.value), interval)
 }
 
 /// What becomes of the ends of an interval, in words.
-fn interval(estimate: &Estimate, of: fn([f64; 2]) -> [f64; 2]) -> String {
+fn interval(estimate: &ParameterEstimate, of: fn([f64; 2]) -> [f64; 2]) -> String {
     if !estimate.interval[1].is_finite() {
         return "not known".to_owned();
     }

@@ -9,21 +9,21 @@ use deepshade_shaders::Planes;
 use glam::Vec2;
 
 /// A moment of a window with a command line, after the camera went around by so many radians.
-fn moment(line: &str, turn: f32) -> Moment {
+fn moment(line: &str, turn: f32) -> Snapshot {
     let usual = if line.contains("--scene") { "" } else { "--scene still-life:1" };
     let args = args(&format!("{usual} --height 16 --width 16 {line}"));
     let state = State::new(&args).expect("methods");
     let model = state.show.model.as_deref().map(|folder| state.place_of_network(folder));
     let show = state.show;
     let subject = Arc::new(PreparedScene::load(&args, &show.source, show.effect).expect("a scene"));
-    let mut pilot = subject.pilot;
+    let mut controller = subject.controller;
     if turn != 0.0 {
-        pilot.orbit(Vec2::new(turn, 0.0));
+        controller.orbit(Vec2::new(turn, 0.0));
     }
-    let camera = pilot.camera;
+    let camera = controller.camera;
     let values = Planes::filled(show.effect.channels(), 16, 16, 0.5);
     let image = DisplayImage::new("image", values, crate::render::picture::Exposure::Plain);
-    let picture = Picture {
+    let picture = MethodFrame {
         request: Request { show, camera: Some(camera), time: 0.25, lights: None, exposure: None, number: 0 },
         camera,
         lights: subject.lights(None),
@@ -35,11 +35,11 @@ fn moment(line: &str, turn: f32) -> Moment {
         passes: Vec::new(),
         subject,
     };
-    Moment { picture: Arc::new(picture), truth: None, samples: 64, model, args: Arc::new(args) }
+    Snapshot { picture: Arc::new(picture), truth: None, samples: 64, model, args: Arc::new(args) }
 }
 
 /// The keys of the file that a moment is saved with, and its head.
-fn saved(moment: &Moment) -> (toml::Table, String) {
+fn saved(moment: &Snapshot) -> (toml::Table, String) {
     let folder = tempfile::tempdir().expect("a folder");
     save(moment, folder.path()).expect("saved");
     let text = std::fs::read_to_string(folder.path().join(COMPARISON)).expect("written");
@@ -52,7 +52,7 @@ fn what_the_first_view_decided_is_said_to_others() {
     for turn in [0.0, 1.0] {
         let moment = moment("--effect dof", turn);
         let (keys, head) = saved(&moment);
-        let lens = moment.picture.subject.pilot.camera.lens.expect("one that was added");
+        let lens = moment.picture.subject.controller.camera.lens.expect("one that was added");
         assert_eq!(number(&keys, "aperture"), Some(lens.radius));
         assert_eq!(number(&keys, "focus"), Some(lens.focus));
         assert_eq!(number(&keys, "time"), Some(0.25));

@@ -2,8 +2,8 @@
 
 use super::State;
 use crate::learned;
+use crate::location::Location;
 use crate::methods::LEARNED;
-use crate::place::Place;
 #[cfg(feature = "train")]
 use crate::view::method_worker::Trained;
 use anyhow::Result;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 /// A network that a training under way is to make.
 #[cfg(feature = "train")]
-pub struct Promised {
+pub struct ExpectedNetwork {
     effect: Effect,
     folder: PathBuf,
     /// The one whose place it has taken, where the user had chosen one.
@@ -48,10 +48,10 @@ impl State {
     }
 
     /// Where the network in a folder is from: the address that was given, where it was fetched from there.
-    pub fn place_of_network(&self, folder: &Path) -> Place {
+    pub fn place_of_network(&self, folder: &Path) -> Location {
         let is_fetched = self.fetched.as_deref() == Some(folder);
         let given = self.args.model.clone().filter(|_| is_fetched);
-        given.unwrap_or_else(|| Place::Folder(folder.to_owned()))
+        given.unwrap_or_else(|| Location::Folder(folder.to_owned()))
     }
 }
 
@@ -61,14 +61,14 @@ impl State {
     /// run.
     pub fn begin_training(&mut self, effect: Effect, folder: &Path) {
         let before = self.networks.get(&effect).cloned();
-        self.promised = Some(Promised { effect, folder: folder.to_owned(), before });
+        self.promised = Some(ExpectedNetwork { effect, folder: folder.to_owned(), before });
         self.take_network(effect, folder);
     }
 
     /// Knows that nobody is at the training any more: where it has left no network, the effect has the one
     /// that it had before. Whether something else is shown by that.
     pub fn end_training(&mut self) -> bool {
-        let Some(Promised { effect, folder, before }) = self.promised.take() else { return false };
+        let Some(ExpectedNetwork { effect, folder, before }) = self.promised.take() else { return false };
         // The user may have chosen another one meanwhile, or named this very folder before.
         let is_chosen = self.networks.get(&effect) == Some(&folder) && before.as_ref() != Some(&folder);
         if !is_chosen || learned::is_network(&folder) {

@@ -61,15 +61,15 @@ fn a_stated_radius_and_stated_methods_survive_a_change_of_effect() {
 fn a_scene_that_is_opened_again_is_read_anew_and_seen_from_the_same_place() {
     let mut state = State::new(&args("--scene room:7")).expect("methods");
     let camera = deepshade_render::scene::Camera::look_at(glam::Vec3::ONE, glam::Vec3::ZERO);
-    state.pilot = Some(Pilot::new(camera, 1.0));
+    state.controller = Some(CameraController::new(camera, 1.0));
     state.time = 2.0;
-    let (pilot, before) = (state.pilot, state.show.clone());
+    let (controller, before) = (state.controller, state.show.clone());
     state.open("room:7".parse().expect("a scene"), true);
-    assert!(state.show != before && (state.pilot, state.time) == (pilot, 2.0));
+    assert!(state.show != before && (state.controller, state.time) == (controller, 2.0));
     assert!(!state.go_back(), "there is none before it");
     state.open("room:8".parse().expect("a scene"), true);
-    assert_eq!((state.pilot, state.time), (None, 0.0));
-    assert!(state.go_back() && state.show.source == before.source && state.pilot == pilot);
+    assert_eq!((state.controller, state.time), (None, 0.0));
+    assert!(state.go_back() && state.show.source == before.source && state.controller == controller);
     // As its files are then.
     assert!(state.show.scenes_opened > before.scenes_opened);
 }

@@ -12,12 +12,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A training run, as another program writes it.
-struct Run {
+struct TestRun {
     folder: PathBuf,
     spec: NetSpec,
 }
 
-impl Run {
+impl TestRun {
     /// One that has begun and saved nothing yet.
     fn begin(folder: PathBuf) -> Self {
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -72,7 +72,7 @@ fn image_of_step(opened: &mut Opened, step: usize) -> Arc<Planes> {
 #[test]
 fn a_training_run_is_followed_from_before_its_first_checkpoint_on() {
     let folder = tempfile::tempdir().expect("a folder");
-    let run = Run::begin(folder.path().join("run"));
+    let run = TestRun::begin(folder.path().join("run"));
     let line = format!("--model {} --methods learned,hbao", run.folder.display());
     let mut opened = Opened::new(&line);
     opened.click("truth, up to");
@@ -97,7 +97,7 @@ fn a_run_that_begins_after_the_window_is_followed_and_found_again_by_its_effect(
     opened.wait_until_complete();
     assert!(!opened.window().state.show.methods.contains(&LEARNED));
     // It comes with the first weights, and again with the effect.
-    Run::begin(place).come_to(10);
+    TestRun::begin(place).come_to(10);
     let first = image_of_step(&mut opened, 10);
     opened.choose("effect", "aa");
     opened.wait_until_complete();

@@ -12,7 +12,7 @@ fn view_key(subject: &Arc<PreparedScene>) -> ViewKey {
         effect: subject.effect,
         scenes_opened: 0,
         subject: Arc::downgrade(subject),
-        camera: subject.pilot.camera,
+        camera: subject.controller.camera,
         time: 0.0,
         lights: subject.lights(None),
         radius: 0.5,

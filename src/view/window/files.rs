@@ -4,7 +4,7 @@ use super::Window;
 use crate::learned;
 use crate::output::message;
 use crate::view::file_worker::{FileResult, FileTask};
-use crate::view::saved::{Moment, free};
+use crate::view::saved::{Snapshot, free};
 use crate::view::workers::Update;
 use deepshade_render::scene::SceneSource;
 use eframe::egui::{ColorImage, Context, ScreenshotCallback, ViewportCommand};
@@ -51,7 +51,7 @@ impl Window {
 
     /// Saves what is shown now into a folder that is free, and says where, once it is done.
     pub fn save(&mut self) {
-        match Moment::of(self) {
+        match Snapshot::of(self) {
             Some(moment) => {
                 let folder = free(&self.files.folder, "view", "");
                 self.send(FileTask::Save(Box::new(moment), folder));

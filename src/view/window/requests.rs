@@ -76,7 +76,7 @@ impl Window {
     fn request(&self, number: u32) -> Request {
         Request {
             show: self.state.show.clone(),
-            camera: self.state.pilot.map(|pilot| pilot.camera),
+            camera: self.state.controller.map(|controller| controller.camera),
             time: self.state.time,
             lights: self.state.lights.clone(),
             exposure: self.requests.exposure.map(|exposure| exposure.brighter(self.state.look.stops)),

@@ -1,7 +1,7 @@
 //! What is seen of the images: textures, and the order in which they lie.
 
 use super::Window;
-use crate::view::canvas::Shown;
+use crate::view::canvas::CanvasImage;
 use crate::view::state::Map;
 use eframe::egui::{ColorImage, Context, TextureFilter, TextureOptions};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 impl Window {
     /// Images in the order in which they are shown: of methods, of truth, of the g-buffer, of
     /// an EXR file.
-    pub fn shown(&self) -> Vec<Shown<'_>> {
+    pub fn shown(&self) -> Vec<CanvasImage<'_>> {
         let Some(picture) = &self.results.picture else { return Vec::new() };
         let truth = self.truth_of_picture().map(|truth| &truth.image);
         let all = picture.images.iter().chain(truth).chain(&picture.inspected).chain(&self.layers.images);
@@ -26,7 +26,7 @@ impl Window {
             let has_map = map != Map::Image && name != reference && methods.contains(&name);
             let lacks_map = has_map && seen.is_none();
             let texture = seen.or_else(|| texture(Map::Image))?.id();
-            Some(Shown { name, values: &image.values, texture, lacks_map })
+            Some(CanvasImage { name, values: &image.values, texture, lacks_map })
         })
         .collect()
     }

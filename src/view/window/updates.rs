@@ -2,7 +2,7 @@
 
 use super::Window;
 use super::requests::Pending;
-use crate::view::method_worker::{Picture, Request};
+use crate::view::method_worker::{MethodFrame, Request};
 use crate::view::metrics::Metrics;
 use crate::view::state::Map;
 use crate::view::subject::PreparedScene;
@@ -52,7 +52,7 @@ impl Window {
             return self.forget();
         }
         // What was not known when it was requested was learned meanwhile.
-        request.camera = request.camera.or(self.state.pilot.map(|pilot| pilot.camera));
+        request.camera = request.camera.or(self.state.controller.map(|controller| controller.camera));
         request.lights = request.lights.or_else(|| self.state.lights.clone());
         self.requests.failed = Some(request);
     }
@@ -64,13 +64,13 @@ impl Window {
         if (&subject.source, subject.effect) != (&show.source, show.effect) {
             return;
         }
-        let pilot = self.state.pilot.get_or_insert(subject.pilot);
-        pilot.camera.lens = subject.pilot.camera.lens;
+        let controller = self.state.controller.get_or_insert(subject.controller);
+        controller.camera.lens = subject.controller.camera.lens;
         self.state.lights = Some(subject.lights(self.state.lights.as_deref()));
         self.results.subject = Some(Arc::clone(subject));
     }
 
-    fn take_picture(&mut self, context: &Context, picture: Arc<Picture>) {
+    fn take_picture(&mut self, context: &Context, picture: Arc<MethodFrame>) {
         let Some(Pending { since, outdated: false, .. }) = self.requests.pending.take() else { return };
         let before = self.results.picture.as_ref();
         let is_new = before.is_none_or(|before| before.request.number != picture.request.number);

@@ -150,15 +150,15 @@ class Live {
         this.show();
       }
     }
-    if (this.arrived) await this.judge();
+    if (this.arrived) await this.score();
     if (this.frames === 0 && this.wanting.length) {
       const { name, resolve, reject } = this.wanting.shift();
       await this.page.image(name).then(resolve, reject);
     }
     if (!playing && this.frames === 0 && !this.asked && now > this.rested) this.ask();
-    const drawn = this.sides.map((name) => (name === TRUTH && !this.judged ? this.told.methods[0] : name));
+    const drawn = this.sides.map((name) => (name === TRUTH && !this.scored ? this.told.methods[0] : name));
     const border = wipe(part("wipe").value / 1000);
-    const seen = [this.made, this.judged, border, ...drawn].join();
+    const seen = [this.made, this.scored, border, ...drawn].join();
     if (seen !== this.seen) this.page.draw(drawn[0], drawn[1], border);
     this.seen = seen;
     const wrong = this.page.wrong();
@@ -227,20 +227,20 @@ class Live {
   forgetTruth() {
     this.order += 1;
     this.scores = {};
-    this.asked = this.judged = false;
+    this.asked = this.scored = false;
     this.arrived = undefined;
     part("truth").textContent = "";
   }
 
-  async judge() {
+  async score() {
     const { image, samples, seconds, error } = this.arrived;
     this.arrived = undefined;
     if (error) {
       part("truth").textContent = `Truth: ${error}`;
       return;
     }
-    this.scores = JSON.parse(await this.page.judge(image));
-    this.judged = true;
+    this.scores = JSON.parse(await this.page.score(image));
+    this.scored = true;
     const state = samples < SAMPLES ? `, of ${SAMPLES}` : "";
     part("truth").textContent =
       `Truth: path traced on one thread of the processor, ${samples} samples a pixel${state}; the last pass took ${seconds.toFixed(1)} s.`;

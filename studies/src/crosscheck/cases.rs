@@ -6,7 +6,7 @@ use deepshade_shaders::Effect;
 /// An effect in a scene.
 #[derive(Debug)]
 pub struct Case {
-    /// One of those that [`super::settings::build`] knows.
+    /// One of those that [`super::scenes::build`] knows.
     pub scene: &'static str,
     /// What is computed.
     pub effect: Effect,

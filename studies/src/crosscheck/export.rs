@@ -6,7 +6,7 @@ mod light;
 use super::cases::Fault;
 use super::files::{write_pfm, write_ply};
 use super::lambert::{emission, make_black, make_phong, texture_of};
-use super::settings::Setting;
+use super::scenes::CrosscheckScene;
 use anyhow::{Result, bail};
 use deepshade::shared::figures::write_atomically;
 use deepshade_render::path::Sampling;
@@ -30,7 +30,7 @@ const BRIGHTER: f32 = 1.02;
 pub fn write(
     folder: &Path,
     effect: Effect,
-    setting: &Setting,
+    setting: &CrosscheckScene,
     fault: Option<Fault>,
     size: [usize; 2],
     sampling: Sampling,
@@ -70,7 +70,11 @@ pub fn write(
 }
 
 /// The integrator that renders an effect, and the one whose picture is to be taken from its.
-fn integrators(effect: Effect, setting: &Setting, fault: Option<Fault>) -> Result<(Value, Option<Value>)> {
+fn integrators(
+    effect: Effect,
+    setting: &CrosscheckScene,
+    fault: Option<Fault>,
+) -> Result<(Value, Option<Value>)> {
     let mut of_surface = json!({ "type": effect.name() });
     if setting.radius.is_finite() {
         of_surface["radius"] = json!(setting.radius);
@@ -223,7 +227,7 @@ fn back(mesh: &Mesh) -> Mesh {
 mod tests {
     use super::*;
     use crate::crosscheck::files::read_pfm;
-    use crate::crosscheck::settings;
+    use crate::crosscheck::scenes;
 
     fn exported(effect: Effect, fault: Option<Fault>) -> Value {
         let folder = tempfile::tempdir().expect("a folder");
@@ -231,7 +235,7 @@ mod tests {
     }
 
     fn export(folder: &Path, scene: &str, effect: Effect, fault: Option<Fault>) -> Value {
-        let setting = settings::build(scene, Path::new("")).expect("built").expect("procedural");
+        let setting = scenes::build(scene, Path::new("")).expect("built").expect("procedural");
         let sampling = Sampling { samples: 16, scramblings: 2, seed: 5 };
         write(folder, effect, &setting, fault, [4, 6], sampling).expect("written");
         let case: Value =
@@ -264,7 +268,7 @@ mod tests {
     #[test]
     fn textures_are_read_as_the_scene_says() {
         let folder = tempfile::tempdir().expect("a folder");
-        let setting = settings::build("blocks", Path::new("")).expect("built").expect("procedural");
+        let setting = scenes::build("blocks", Path::new("")).expect("built").expect("procedural");
         let mut scene = setting.scene;
         scene.textures =
             scene.textures.iter().map(|t| (**t).clone().with_filter(Filter::Nearest).into()).collect();

@@ -1,6 +1,6 @@
 //! Motion blur as the mean of still frames: what Mitsuba has no integrator for.
 
-use super::settings::Setting;
+use super::scenes::CrosscheckScene;
 use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::path::{Estimate, Footprint, Sampling, Shot, render};
@@ -15,7 +15,7 @@ const MOMENTS: u32 = 8;
 ///
 /// # Errors
 /// If a moment's scene cannot be traced.
-pub fn render_stills(setting: &Setting, size: [usize; 2], sampling: Sampling) -> Result<Estimate> {
+pub fn render_stills(setting: &CrosscheckScene, size: [usize; 2], sampling: Sampling) -> Result<Estimate> {
     let Sampling { samples, scramblings: replicates, seed: first } = sampling;
     let each = samples.div_ceil(replicates * MOMENTS).max(1);
     let mut means: Vec<Planes> = Vec::new();

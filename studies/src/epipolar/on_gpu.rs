@@ -3,7 +3,7 @@
 //!
 //! Both read the frame's shadow maps; errors are against a march of many steps through the same maps.
 
-use super::contest::{Measured, fewest};
+use super::equal_error::{TimeAndError, fewest};
 use super::subject::{Kind, Setup, View, setting};
 use super::table_number;
 use anyhow::{Context, Result};
@@ -11,8 +11,8 @@ use deepshade::shared::figures::Figures;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::{fog_march, gpu_epipolar};
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
-use deepshade_render::raster::frame::{Frame, Settings, Stage};
-use deepshade_render::screen::{self, Inputs, Plan, ScreenMethod};
+use deepshade_render::raster::frame::{Frame, FrameStage, RasterSettings};
+use deepshade_render::screen::{self, Inputs, MethodPasses, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use serde_json::{Value, json};
@@ -30,19 +30,19 @@ const RUNS: usize = 50;
 pub struct OnGpu {
     adapter: String,
     size: [usize; 2],
-    duels: Vec<Duel>,
+    duels: Vec<SumsAgainstMarch>,
 }
 
 /// Partial sums of a scene and view, and the march that is as good.
-struct Duel {
+struct SumsAgainstMarch {
     name: String,
-    sums: Measured,
+    sums: TimeAndError,
     /// Its steps, and what it is; `None` if no march is.
-    march: Option<(u32, Measured)>,
+    march: Option<(u32, TimeAndError)>,
 }
 
 /// A frame that both are run on.
-struct Stand<'a> {
+struct BenchFrame<'a> {
     gpu: &'a Gpu,
     frame: Frame,
     view: screen::View,
@@ -59,7 +59,10 @@ impl OnGpu {
         let mut duels = Vec::new();
         for kind in Kind::ALL {
             for view in View::ALL {
-                duels.push(Duel::of(&Stand::new(gpu, kind, view, setup)?, kind.called(view))?);
+                duels.push(SumsAgainstMarch::of(
+                    &BenchFrame::new(gpu, kind, view, setup)?,
+                    kind.called(view),
+                )?);
             }
         }
         Ok(Self { adapter: gpu.info.name.clone(), size: setup.size, duels })
@@ -70,15 +73,15 @@ impl OnGpu {
         for duel in &self.duels {
             figures.set(&format!("gpu_ratio_{}", duel.name), duel.ratio());
         }
-        let ratios = || self.duels.iter().map(Duel::ratio);
+        let ratios = || self.duels.iter().map(SumsAgainstMarch::ratio);
         figures.set("gpu_ratio_min", ratios().fold(f64::INFINITY, f64::min));
         figures.set("gpu_ratio_max", ratios().fold(0.0, f64::max));
     }
 
     /// Everything that was measured.
     pub fn to_json(&self) -> Value {
-        let measured = |found: &Measured| json!({ "seconds": found.seconds, "relmse": found.relmse });
-        let duel = |duel: &Duel| {
+        let measured = |found: &TimeAndError| json!({ "seconds": found.seconds, "relmse": found.relmse });
+        let duel = |duel: &SumsAgainstMarch| {
             json!({
                 "name": duel.name, "sums": measured(&duel.sums),
                 "march": duel.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
@@ -94,8 +97,8 @@ impl OnGpu {
     pub fn rows(&self) -> Vec<Vec<String>> {
         let head = ["on the GPU", "relmse", "sums ms", "steps", "march ms", "times as fast"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
-        for Duel { name, sums, march } in &self.duels {
-            let of_march = |text: &dyn Fn(u32, &Measured) -> String| {
+        for SumsAgainstMarch { name, sums, march } in &self.duels {
+            let of_march = |text: &dyn Fn(u32, &TimeAndError) -> String| {
                 march.as_ref().map_or("worse".to_owned(), |(steps, found)| text(*steps, found))
             };
             rows.push(vec![
@@ -117,8 +120,8 @@ impl OnGpu {
     }
 }
 
-impl Duel {
-    fn of(stand: &Stand<'_>, name: String) -> Result<Self> {
+impl SumsAgainstMarch {
+    fn of(stand: &BenchFrame<'_>, name: String) -> Result<Self> {
         let truth = stand.image(&march(stand.gpu, REFERENCE_STEPS))?;
         let exposure = exposure(Effect::FogDirect, &truth);
         let truth = exposed(&truth, exposure);
@@ -126,11 +129,11 @@ impl Duel {
             anyhow::Ok(relative_mse(&exposed(&stand.image(method)?, exposure), &truth))
         };
         let sums = ScreenMethod::new(stand.gpu, gpu_epipolar::GpuEpipolarParameters::of(Quality::High));
-        let sums = Measured { relmse: error(&sums)?, seconds: stand.seconds(&sums)? };
+        let sums = TimeAndError { relmse: error(&sums)?, seconds: stand.seconds(&sums)? };
         let is_enough = |steps| anyhow::Ok(error(&march(stand.gpu, steps))? <= sums.relmse);
         let march = fewest(STEPS, is_enough)?.map(|steps| {
             let march = march(stand.gpu, steps);
-            anyhow::Ok((steps, Measured { relmse: error(&march)?, seconds: stand.seconds(&march)? }))
+            anyhow::Ok((steps, TimeAndError { relmse: error(&march)?, seconds: stand.seconds(&march)? }))
         });
         Ok(Self { name, sums, march: march.transpose()? })
     }
@@ -145,40 +148,40 @@ fn march(gpu: &Gpu, steps: u32) -> ScreenMethod {
     ScreenMethod::new(gpu, fog_march::FogMarchParameters { steps })
 }
 
-impl<'a> Stand<'a> {
+impl<'a> BenchFrame<'a> {
     fn new(gpu: &'a Gpu, kind: Kind, view: View, setup: Setup) -> Result<Self> {
         let (scene, camera) = setting(kind, view, setup.size)?;
         let [height, width] = setup.size;
         let attributes = vec![Attribute::Position, Attribute::Valid];
-        let settings = Settings { height, width, attributes, shadow_size: Some(setup.shadow_size) };
+        let settings = RasterSettings { height, width, attributes, shadow_size: Some(setup.shadow_size) };
         let mut frame = Frame::new(gpu, &scene.into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.epipolar", |encoder| {
-            Stage::ALL.into_iter().for_each(|stage| frame.encode(stage, encoder, None));
+            FrameStage::ALL.into_iter().for_each(|stage| frame.encode(stage, encoder, None));
         })?;
         let view = screen::View { height, width, camera, radius: 1.0, seed: 1 };
         Ok(Self { gpu, frame, view, runs: if gpu.is_software() { 1 } else { RUNS } })
     }
 
-    fn plan(&self, method: &ScreenMethod) -> Result<Plan> {
+    fn passes(&self, method: &ScreenMethod) -> Result<MethodPasses> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
-        Plan::new(method, &inputs, &self.view).with_context(|| method.name())
+        MethodPasses::new(method, &inputs, &self.view).with_context(|| method.name())
     }
 
     fn image(&self, method: &ScreenMethod) -> Result<Planes> {
         let Gpu { device, queue, .. } = self.gpu;
-        let plan = self.plan(method)?;
-        gpu::submit(device, queue, "bench.epipolar.image", |encoder| plan.encode(encoder))?;
-        let data = gpu::read(device, queue, plan.output())?;
+        let passes = self.passes(method)?;
+        gpu::submit(device, queue, "bench.epipolar.image", |encoder| passes.encode(encoder))?;
+        let data = gpu::read(device, queue, passes.output())?;
         Ok(Planes::from_data(3, self.view.height, self.view.width, data))
     }
 
     fn seconds(&self, method: &ScreenMethod) -> Result<f64> {
         let Gpu { device, queue, .. } = self.gpu;
-        let plan = self.plan(method)?;
+        let passes = self.passes(method)?;
         let timing =
-            gpu::time(device, queue, "bench.epipolar", 1, self.runs, |encoder| plan.encode(encoder))?;
+            gpu::time(device, queue, "bench.epipolar", 1, self.runs, |encoder| passes.encode(encoder))?;
         Ok(1e-3 * timing.milliseconds)
     }
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
-use deepshade_render::methods::shafts::{Lamp, Lit, ShadowMap, ViewRays};
+use deepshade_render::methods::shafts::{IntegrationInputs, Lamp, ShadowMap, ViewRays};
 use deepshade_render::scene::procedural::Family;
 use deepshade_render::scene::{
     Bounds, Camera, Density, Encoding, Light, Material, Medium, Scene, Texture, Wrap,
@@ -49,7 +49,7 @@ pub enum View {
 }
 
 /// Adds radiance to each view ray's.
-pub type Way<'a> = dyn Fn(&Lit<'_>, &mut [Vec3]) + Sync + 'a;
+pub type Way<'a> = dyn Fn(&IntegrationInputs<'_>, &mut [Vec3]) + Sync + 'a;
 
 /// A scene as a camera sees it.
 pub struct FogView {
@@ -204,11 +204,11 @@ impl FogView {
     }
 
     /// Calls a function with the scene's light.
-    pub fn lit<T>(&self, function: impl FnOnce(&Lit<'_>) -> T) -> T {
+    pub fn lit<T>(&self, function: impl FnOnce(&IntegrationInputs<'_>) -> T) -> T {
         let scene = self.scene.scene();
         let medium = scene.medium.as_deref().expect("the scene has fog");
         let lamp = Lamp::new(scene, &scene.lights[0]);
-        function(&Lit { rays: &self.rays, medium, lamp: &lamp, map: &self.map, seed: 1 })
+        function(&IntegrationInputs { rays: &self.rays, medium, lamp: &lamp, map: &self.map, seed: 1 })
     }
 
     /// Radiance by each of some methods, and the least of the seconds that its runs took in a pool of

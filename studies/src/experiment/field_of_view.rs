@@ -1,9 +1,9 @@
 //! A network trained at 50 degrees on views of others (thesis 7.5.1, Figure 7.13): dolly zooms, so that what
 //! is seen stays nearly the same, of one view a scene.
 
-use super::exam::SIMILARITY;
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::SIMILARITY;
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_dataset::Recipe;
@@ -16,17 +16,17 @@ const DEGREES: [u8; 8] = [20, 30, 40, 50, 60, 70, 80, 90];
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let network = lab.base_network()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let network = workspace.base_network()?;
     let (mut rows, mut learned, mut nothing) = (Vec::new(), Vec::new(), Vec::new());
     for degrees in DEGREES {
         let recipe = Recipe {
             field_of_view: Some(FieldOfView::Fixed(degrees.into())),
             views_per_scene: 1,
-            ..lab.test_recipe.clone()
+            ..workspace.test_recipe.clone()
         };
-        let exam = lab.exam(&format!("field-of-view-{degrees}"), &recipe)?;
-        let (scores, trivial) = (scores(&exam, &network)?, exam.trivial()?);
+        let test_frames = workspace.test_frames(&format!("field-of-view-{degrees}"), &recipe)?;
+        let (scores, trivial) = (scores(&test_frames, &network)?, test_frames.trivial()?);
         learned.push((f64::from(degrees), scores.dssim()));
         nothing.push((f64::from(degrees), trivial.dssim()));
         let values = [&scores.similarity()[..], &[scores.dssim(), trivial.ssim.mean]].concat();

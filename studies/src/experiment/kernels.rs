@@ -1,8 +1,8 @@
 //! Kernels of 3x3 against 5x5 pixels, and 4, 8 or 16 of them on the first level (thesis 7.5.2, Figure 7.14).
 
-use super::exam::SIMILARITY;
-use super::lab::{Lab, Trained, scores};
 use super::table::{Row, Table};
+use super::test_frames::SIMILARITY;
+use super::workspace::{Trained, Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::learned::Engine;
 use deepshade::shared::plot::{Line, Plot};
@@ -19,9 +19,9 @@ pub const TIMED: usize = 256;
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let settings = lab.settings(&lab.base_data()?)?;
-    let exam = lab.base_exam()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let settings = workspace.settings(&workspace.base_data()?)?;
+    let test_frames = workspace.base_test_frames()?;
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     for kernel in KERNELS {
         let mut points = Vec::new();
@@ -31,8 +31,8 @@ pub fn run(lab: &Lab) -> Result<Table> {
             let name = if is_base { "base".to_owned() } else { format!("kernel{kernel}-u{u0}") };
             let mut varied = settings.clone();
             varied.spec = spec;
-            let network = lab.network(&name, &varied)?;
-            let (scores, time) = (scores(&exam, &network)?, milliseconds(&network)?);
+            let network = workspace.network(&name, &varied)?;
+            let (scores, time) = (scores(&test_frames, &network)?, milliseconds(&network)?);
             points.push((time, scores.dssim()));
             let weights = network.model.spec.weight_count() as f64;
             let values =
@@ -45,7 +45,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
         }
         lines.push(Line::dotted(format!("{kernel}x{kernel}"), points));
     }
-    let white = exam.trivial()?;
+    let white = test_frames.trivial()?;
     rows.push(Row::new("ssim_trivial", "nothing", &white.similarity()));
     let more = [("validation DSSIM", 4), ("weights", 0), ("ms at 256x256", 2), ("training s", 1)];
     Ok(Table {

@@ -1,8 +1,8 @@
 //! The same network trained to make different losses small (thesis 7.5.3, Figure 7.15).
 
-use super::exam::{SIMILARITY, Scores};
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::{SIMILARITY, Scores};
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use clap::ValueEnum;
 use deepshade::shared::plot::{Line, Plot};
@@ -13,9 +13,9 @@ use deepshade_train::Loss;
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let settings = lab.settings(&lab.base_data()?)?;
-    let exam = lab.base_exam()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let settings = workspace.settings(&workspace.base_data()?)?;
+    let test_frames = workspace.base_test_frames()?;
     let values = |scores: &Scores| [&scores.similarity()[..], &[scores.l1, scores.l2, scores.flip]].concat();
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     for choice in LossName::value_variants() {
@@ -25,13 +25,13 @@ pub fn run(lab: &Lab) -> Result<Table> {
         let run = if loss == settings.loss { "base".to_owned() } else { format!("loss-{name}") };
         let mut varied = settings.clone();
         varied.loss = loss;
-        let network = lab.network(&run, &varied)?;
-        let scores = scores(&exam, &network)?;
+        let network = workspace.network(&run, &varied)?;
+        let scores = scores(&test_frames, &network)?;
         lines.push(Line::dotted(name, vec![(scores.l1, scores.ssim.mean)]));
         let values = [values(&scores), vec![network.seconds]].concat();
         rows.push(Row::new(format!("ssim_{}", name.replace('-', "_")), name, &values));
     }
-    rows.push(Row::new("ssim_trivial", "nothing", &values(&exam.trivial()?)));
+    rows.push(Row::new("ssim_trivial", "nothing", &values(&test_frames.trivial()?)));
     let more = [("L1", 4), ("L2", 4), ("FLIP", 4), ("training s", 1)];
     Ok(Table {
         title: "Losses that the same network is trained for",

@@ -2,9 +2,9 @@
 //! reads ([`NetSpec::scaling`](deepshade_infer::NetSpec::scaling)). Where resolution times radius is the
 //! same, the effect is as large in pixels.
 
-use super::exam::SIMILARITY;
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::SIMILARITY;
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_dataset::Recipe;
@@ -17,15 +17,16 @@ const FACTORS: [(f32, &str); 3] = [(0.5, "half"), (1.0, "one"), (2.0, "two")];
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let network = lab.base_network()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let network = workspace.base_network()?;
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     for (finer, _) in FACTORS {
         let mut points = Vec::new();
-        let edge = (finer * lab.size.edge as f32) as usize;
+        let edge = (finer * workspace.size.edge as f32) as usize;
         for (wider, name) in FACTORS {
-            let exam = lab.exam(&format!("radius-{edge}-{name}"), &cell(&lab.test_recipe, edge, wider))?;
-            let (scores, trivial) = (scores(&exam, &network)?, exam.trivial()?);
+            let test_frames = workspace
+                .test_frames(&format!("radius-{edge}-{name}"), &cell(&workspace.test_recipe, edge, wider))?;
+            let (scores, trivial) = (scores(&test_frames, &network)?, test_frames.trivial()?);
             points.push((f64::from(wider), scores.ssim.mean));
             let in_pixels = f64::from(finer * wider);
             let values = [&scores.similarity()[..], &[in_pixels, trivial.ssim.mean]].concat();

@@ -6,10 +6,10 @@ mod forest;
 mod mlp;
 mod patches;
 
-use super::exam::{Exam, SIMILARITY, Scores};
 use super::kernels::{TIMED, milliseconds};
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::{SIMILARITY, Scores, TestFrames};
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_infer::NetSpec;
@@ -38,28 +38,28 @@ const TIMED_RUNS: usize = 5;
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let data = lab.base_data()?;
-    let settings = lab.settings(&data)?;
-    let network = lab.network("base", &settings)?;
-    let exam = lab.base_exam()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let data = workspace.base_data()?;
+    let settings = workspace.settings(&data)?;
+    let network = workspace.network("base", &settings)?;
+    let test_frames = workspace.base_test_frames()?;
     let spec = &settings.spec;
     let seed = settings.seed;
-    let mut results = Results { exam: &exam, spec, rows: Vec::new(), lines: Vec::new() };
-    let scores = scores(&exam, &network)?;
+    let mut results = Results { test_frames: &test_frames, spec, rows: Vec::new(), lines: Vec::new() };
+    let scores = scores(&test_frames, &network)?;
     results.add(["ssim_unet", "deep network"], scores, milliseconds(&network)?, network.seconds);
     let frames = Frames::read(&data.dataset, spec, MOST_FRAMES)?;
     for edge in PERCEPTRONS {
         note!("perceptron on {edge} x {edge} pixels");
         let start = Instant::now();
-        let steps = lab.size.perceptron_steps;
+        let steps = workspace.size.perceptron_steps;
         let mlp = Mlp::train(&frames, edge, Schedule { steps, batch: PATCHES, seed })?;
         let names = [format!("ssim_mlp{edge}"), format!("perceptron {edge}x{edge}")];
         results.measure(names, start.elapsed().as_secs_f64(), |input| mlp.image(input))?;
     }
     note!("random forest of {} trees on {FOREST} x {FOREST} pixels", TREES[TREES.len() - 1]);
     let start = Instant::now();
-    let growth = Growth { trees: TREES[TREES.len() - 1], examples: lab.size.forest_examples, seed };
+    let growth = Growth { trees: TREES[TREES.len() - 1], examples: workspace.size.forest_examples, seed };
     let forest = Forest::grow(&frames, FOREST, growth)?;
     let seconds = start.elapsed().as_secs_f64();
     for trees in TREES {
@@ -68,7 +68,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
         let share = seconds * trees as f64 / growth.trees as f64;
         results.measure(names, share, |input| forest.image(input, trees))?;
     }
-    let trivial = exam.trivial()?;
+    let trivial = test_frames.trivial()?;
     results.rows.push(Row::new(
         "ssim_trivial",
         "nothing",
@@ -92,7 +92,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
 
 /// What was measured so far.
 struct Results<'a> {
-    exam: &'a Exam,
+    test_frames: &'a TestFrames,
     spec: &'a NetSpec,
     rows: Vec<Row>,
     lines: Vec<Line>,
@@ -106,12 +106,12 @@ impl Results<'_> {
         training: f64,
         image: impl Fn(&Planes) -> Result<Planes>,
     ) -> Result<()> {
-        let scores = self.exam.scores(|gbuffer, radius| {
+        let scores = self.test_frames.scores(|gbuffer, radius| {
             let mut made = image(&input(self.spec, gbuffer, radius)?)?;
             self.spec.set_background(gbuffer, &mut made)?;
             Ok(made)
         })?;
-        let (gbuffer, radius) = self.exam.first();
+        let (gbuffer, radius) = self.test_frames.first();
         let timed = repeated(&input(self.spec, gbuffer, radius)?);
         image(&timed)?;
         let mut times = Vec::new();

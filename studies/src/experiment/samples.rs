@@ -1,9 +1,9 @@
 //! Samples of a pixel against number of images, where both take as long (thesis 7.5.4, Figure 7.16 left),
 //! with targets whose noise the loss takes off and ones whose noise it does not know.
 
-use super::exam::SIMILARITY;
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::SIMILARITY;
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_dataset::Recipe;
@@ -17,18 +17,19 @@ const SCRAMBLINGS: [(u32, &str, &str); 2] = [(1, "noise unknown", ""), (2, "nois
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let exam = lab.base_exam()?;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let test_frames = workspace.base_test_frames()?;
     let (mut rows, mut lines) = (Vec::new(), Vec::new());
     for (scramblings, label, suffix) in SCRAMBLINGS {
         let mut points = Vec::new();
         for samples in SAMPLES {
-            let recipe = Recipe { scramblings, ..equal_time(&lab.recipe, lab.size.image_cost, samples) };
-            let is_base = recipe == lab.recipe;
+            let recipe =
+                Recipe { scramblings, ..equal_time(&workspace.recipe, workspace.size.image_cost, samples) };
+            let is_base = recipe == workspace.recipe;
             let name = if is_base { "base".to_owned() } else { format!("samples-{samples}{suffix}") };
-            let data = lab.data(&name, &recipe)?;
-            let network = lab.network(&name, &lab.settings(&data)?)?;
-            let scores = scores(&exam, &network)?;
+            let data = workspace.data(&name, &recipe)?;
+            let network = workspace.network(&name, &workspace.settings(&data)?)?;
+            let scores = scores(&test_frames, &network)?;
             points.push((f64::from(samples), scores.dssim()));
             let trained = data.dataset.training().len() as f64;
             let values = [&scores.similarity()[..], &[trained, data.seconds, network.seconds]].concat();
@@ -40,7 +41,7 @@ pub fn run(lab: &Lab) -> Result<Table> {
         }
         lines.push(Line::dotted(label, points));
     }
-    let trivial = exam.trivial()?;
+    let trivial = test_frames.trivial()?;
     rows.push(Row::new("ssim_trivial", "nothing", &trivial.similarity()));
     let more = [("pairs trained on", 0), ("data s", 1), ("training s", 1)];
     Ok(Table {
@@ -76,16 +77,19 @@ mod tests {
     fn all_take_as_long_as_near_as_whole_views_come_to_it() {
         let folder = tempfile::tempdir().expect("a folder");
         for size in [Size::DEFAULT, Size::FULL] {
-            let lab = Lab::open(folder.path(), size).expect("a lab");
+            let workspace = Workspace::open(folder.path(), size).expect("a lab");
             let cost = |recipe: &Recipe| recipe.samples as usize + size.image_cost;
             let time = |recipe: &Recipe| recipe.views_per_scene * cost(recipe);
             for samples in SAMPLES {
-                let recipe = equal_time(&lab.recipe, size.image_cost, samples);
-                assert_eq!((recipe.samples, recipe.scene_count()), (samples, lab.recipe.scene_count()));
-                let off = time(&recipe).abs_diff(time(&lab.recipe));
+                let recipe = equal_time(&workspace.recipe, size.image_cost, samples);
+                assert_eq!((recipe.samples, recipe.scene_count()), (samples, workspace.recipe.scene_count()));
+                let off = time(&recipe).abs_diff(time(&workspace.recipe));
                 assert!(2 * off <= cost(&recipe), "{}, {samples} samples: {off}", size.name);
             }
-            assert_eq!(equal_time(&lab.recipe, size.image_cost, lab.recipe.samples), lab.recipe);
+            assert_eq!(
+                equal_time(&workspace.recipe, size.image_cost, workspace.recipe.samples),
+                workspace.recipe
+            );
         }
     }
 }

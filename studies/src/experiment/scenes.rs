@@ -1,8 +1,8 @@
 //! As many pairs from few scenes and from many (thesis 7.5.4, Figure 7.16 right).
 
-use super::exam::SIMILARITY;
-use super::lab::{Lab, scores};
 use super::table::{Row, Table};
+use super::test_frames::SIMILARITY;
+use super::workspace::{Workspace, scores};
 use anyhow::Result;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_dataset::Recipe;
@@ -14,21 +14,21 @@ const TRAINED_A_HELD: usize = 10;
 ///
 /// # Errors
 /// If data, training or testing fail.
-pub fn run(lab: &Lab) -> Result<Table> {
-    let exam = lab.base_exam()?;
-    let pairs = lab.recipe.scene_count() * lab.recipe.views_per_scene;
+pub fn run(workspace: &Workspace) -> Result<Table> {
+    let test_frames = workspace.base_test_frames()?;
+    let pairs = workspace.recipe.scene_count() * workspace.recipe.views_per_scene;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
-    for scenes in lab.size.scene_counts {
+    for scenes in workspace.size.scene_counts {
         let name = format!("scenes-{scenes}");
-        let data = lab.data(&name, &from_scenes(&lab.recipe, *scenes, pairs))?;
-        let network = lab.network(&name, &lab.settings(&data)?)?;
-        let scores = scores(&exam, &network)?;
+        let data = workspace.data(&name, &from_scenes(&workspace.recipe, *scenes, pairs))?;
+        let network = workspace.network(&name, &workspace.settings(&data)?)?;
+        let scores = scores(&test_frames, &network)?;
         points.push((*scenes as f64, scores.dssim()));
         let trained = data.dataset.training().len() as f64;
         let values = [&scores.similarity()[..], &[trained, data.seconds, network.seconds]].concat();
         rows.push(Row::new(format!("ssim_scenes{scenes}"), scenes.to_string(), &values));
     }
-    let trivial = exam.trivial()?;
+    let trivial = test_frames.trivial()?;
     rows.push(Row::new("ssim_trivial", "nothing", &trivial.similarity()));
     let more = [("pairs trained on", 0), ("data s", 1), ("training s", 1)];
     let lines = vec![Line::dotted("network", points)];
@@ -74,10 +74,10 @@ mod tests {
     fn there_are_as_many_pairs_of_so_many_scenes() {
         let folder = tempfile::tempdir().expect("a folder");
         for size in [Size::DEFAULT, Size::FULL] {
-            let lab = Lab::open(folder.path(), size).expect("a lab");
-            let pairs = lab.recipe.scene_count() * lab.recipe.views_per_scene;
+            let workspace = Workspace::open(folder.path(), size).expect("a lab");
+            let pairs = workspace.recipe.scene_count() * workspace.recipe.views_per_scene;
             for scenes in size.scene_counts {
-                let recipe = from_scenes(&lab.recipe, *scenes, pairs);
+                let recipe = from_scenes(&workspace.recipe, *scenes, pairs);
                 let plan = recipe.plan().expect("scenes");
                 let trained: Vec<usize> = plan
                     .iter()

@@ -39,8 +39,8 @@ fn dear(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
 
 /// The table of a study, after asserting what holds for every one.
 fn table(study: Study, folder: &Path) -> Table {
-    let lab = Lab::open(folder, TINY).expect("a lab");
-    let table = study.run(&lab).expect("runs");
+    let workspace = Workspace::open(folder, TINY).expect("a lab");
+    let table = study.run(&workspace).expect("runs");
     let figures: BTreeSet<&str> = table.rows.iter().map(|row| row.figure.as_str()).collect();
     assert_eq!(figures.len(), table.rows.len(), "every row has a figure of its own");
     for row in &table.rows {
@@ -49,7 +49,7 @@ fn table(study: Study, folder: &Path) -> Table {
         assert!(row.values[1] <= ssim && ssim <= row.values[2], "{}: its interval holds it", row.figure);
         assert!(row.values.len() <= table.columns.len(), "{}", row.figure);
     }
-    write(folder, &table, &lab, 1.0).expect("written");
+    write(folder, &table, &workspace, 1.0).expect("written");
     table
 }
 

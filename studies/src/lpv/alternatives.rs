@@ -8,7 +8,7 @@ use deepshade_render::lpv::lobe::Lobes;
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::methods::lpv::passes::Pixel;
-use deepshade_render::path::Part;
+use deepshade_render::path::LightPart;
 use deepshade_shaders::{Effect, Planes};
 use serde_json::{Map, Value};
 
@@ -59,10 +59,10 @@ impl Alternatives {
     /// If the device fails, or the camera sees no light.
     pub fn of(subject: &LpvFrame<'_>, samples: u32) -> Result<Self> {
         let truth = |effect, part| subject.truth(effect, part, samples);
-        let all = truth(Effect::Path, Part::All);
+        let all = truth(Effect::Path, LightPart::All);
         ensure!(all.data().iter().any(|value| *value > 0.0), "the camera sees no light");
-        let traced_single = truth(Effect::FogDirect, Part::All);
-        let shadowed = less(&truth(Effect::Path, Part::Direct), &traced_single);
+        let traced_single = truth(Effect::FogDirect, LightPart::All);
+        let shadowed = less(&truth(Effect::Path, LightPart::Direct), &traced_single);
         let single = subject.single()?;
         let lit = subject.lit()?;
         let parameters = LpvParameters::of(Quality::High);
@@ -92,7 +92,7 @@ impl Alternatives {
         ] {
             rows.push(Row::new(name, &image, &all, &lit));
         }
-        let wanted = truth(Effect::FogMultiple, Part::All);
+        let wanted = truth(Effect::FogMultiple, LightPart::All);
         let mut score = |name: &str, image: &Planes| rows.push(Row::new(name, image, &wanted, &lit));
         score("multiple", &multiple);
         score("multiple_paper", &paper);
@@ -134,7 +134,7 @@ mod tests {
         let source = "colonnade:1".parse().expect("a scene");
         let subject = LpvFrame::new(&gpu, &source, Size { width: 64, height: 36 }).expect("a frame");
         let mean = |image: &Planes| image.data().iter().sum::<f32>();
-        let truth = subject.truth(Effect::FogDirect, Part::All, 256);
+        let truth = subject.truth(Effect::FogDirect, LightPart::All, 256);
         let brightness = mean(&subject.single().expect("an image")) / mean(&truth);
         assert!((brightness - 1.0).abs() < 0.1, "{brightness}");
     }
@@ -149,7 +149,7 @@ mod tests {
         let parameters = LpvParameters { cells: 32, iterations: 32, ..LpvParameters::of(Quality::Low) };
         let pixel = Pixel { medium: true, surface: false };
         let image = subject.indirect(parameters, pixel).expect("an image");
-        let truth = subject.truth(Effect::FogIndirect, Part::All, 256);
+        let truth = subject.truth(Effect::FogIndirect, LightPart::All, 256);
         let mean = |image: &Planes| image.data().iter().sum::<f32>();
         let brightness = mean(&image) / mean(&truth);
         assert!((0.6..1.6).contains(&brightness), "{brightness}");

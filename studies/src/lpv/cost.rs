@@ -6,7 +6,7 @@ use anyhow::Result;
 use deepshade::shared::figures::Figures;
 use deepshade_render::lpv::Scheme;
 use deepshade_render::methods::lpv::LpvParameters;
-use deepshade_render::screen::Plan;
+use deepshade_render::screen::MethodPasses;
 use deepshade_shaders::gpu::{self, Gpu};
 
 /// Cells along the scene, and what figures of them end with.
@@ -40,7 +40,7 @@ impl Costs {
         let mut of_grids = Vec::new();
         let mut moved = 0.0;
         for (cells, suffix) in GRIDS {
-            let plan = subject.plan(LpvParameters {
+            let passes = subject.passes(LpvParameters {
                 cells,
                 cascades: 1,
                 iterations: ITERATIONS,
@@ -48,8 +48,8 @@ impl Costs {
                 scale: SCALE,
                 scheme: Scheme::OURS,
             })?;
-            let cost = Cost::of(subject.gpu, &plan, runs)?;
-            moved = bytes(&plan) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
+            let cost = Cost::of(subject.gpu, &passes, runs)?;
+            moved = bytes(&passes) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
             of_grids.push((suffix, cost));
         }
         let copied = gpu::ceilings(device, queue)?.copy;
@@ -89,7 +89,7 @@ impl Costs {
 }
 
 /// Bytes that a plan's propagation moves at least.
-fn bytes(plan: &Plan) -> u64 {
-    let steps = plan.steps().iter().filter(|step| step.step.pass.is_of("lpv.propagate"));
+fn bytes(passes: &MethodPasses) -> u64 {
+    let steps = passes.steps().iter().filter(|step| step.step.pass.is_of("lpv.propagate"));
     steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()
 }

@@ -35,15 +35,15 @@ pub struct Page<'a>(&'a Path);
 
 #[derive(Template)]
 #[template(path = "lpv/page.html")]
-struct Shown<'a> {
+struct ImagesPage<'a> {
     maker: &'static str,
     head: &'a [String],
     lines: &'a [Vec<String>],
-    scenes: Vec<Sight<'a>>,
+    scenes: Vec<SceneImages<'a>>,
 }
 
 /// A scene on the page.
-struct Sight<'a> {
+struct SceneImages<'a> {
     name: &'a str,
     /// File and caption of each image.
     images: Vec<(String, &'static str)>,
@@ -73,10 +73,10 @@ impl<'a> Page<'a> {
                 self.image(&file, scene.image(image), exposure, name)?;
                 images.push((file.with_extension("png").display().to_string(), caption));
             }
-            sights.push(Sight { name, images });
+            sights.push(SceneImages { name, images });
         }
         let table = scores::table(mean);
-        let page = Shown { maker: MAKER, head: &table[0], lines: &table[1..], scenes: sights };
+        let page = ImagesPage { maker: MAKER, head: &table[0], lines: &table[1..], scenes: sights };
         write_atomically(&self.0.join(PAGE), page.render()?.as_bytes())
     }
 

@@ -54,9 +54,9 @@ impl Injections {
             let (texels, milliseconds) = subject.reflective(size, runs)?;
             found.push((format!("map_{size}"), off(&injected(&grid, &texels), &exact), milliseconds));
         }
-        let plan = subject.clear(parameters)?;
-        let light = subject.sent_by_surfels(&plan, f64::from(grid.cell * grid.cell))?;
-        let cost = Cost::of(subject.gpu, &plan, runs)?;
+        let passes = subject.clear(parameters)?;
+        let light = subject.sent_by_surfels(&passes, f64::from(grid.cell * grid.cell))?;
+        let cost = Cost::of(subject.gpu, &passes, runs)?;
         let milliseconds = [Stage::Surfels, Stage::Light].map(|stage| cost.of_stage(stage)).iter().sum();
         found.push(("surfels".to_owned(), off(&light, &exact), milliseconds));
         Ok(Self(found))

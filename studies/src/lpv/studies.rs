@@ -22,7 +22,7 @@ const SCHEMES: [(Scheme, &str); 2] =
     [(Scheme::OURS, ""), (Scheme { factors: Factors::Exponential, ..Scheme::OURS }, "exponential_")];
 
 /// A ratio for each way to count collisions, mean free path and albedo.
-struct Moment {
+struct MomentRatio {
     scheme: (Scheme, &'static str),
     path: f32,
     albedo: f32,
@@ -51,7 +51,7 @@ impl Monopole {
 /// All that is measured.
 pub struct Studies {
     energy_loss: f64,
-    moments: Vec<Moment>,
+    moments: Vec<MomentRatio>,
     monopoles: Vec<Monopole>,
     /// Flux and fluence along an axis, across an edge and across a corner, with our lobes and the paper's.
     directions: [(&'static str, [[f64; 2]; 3]); 2],
@@ -65,7 +65,7 @@ impl Studies {
         let flights = ALBEDOS.map(|albedo| (albedo, Flights::new(f64::from(albedo))));
         let moment = |scheme: (Scheme, _), (albedo, flights): &(f32, Flights), (path, half)| {
             let ratio = moment_ratio(scheme.0, path, flights, half);
-            Moment { scheme, path, albedo: *albedo, ratio }
+            MomentRatio { scheme, path, albedo: *albedo, ratio }
         };
         let of =
             |scheme| flights.iter().flat_map(move |flights| PATHS.map(|path| moment(scheme, flights, path)));
@@ -102,7 +102,7 @@ impl Studies {
             figures.set(&format!("ringing_{bands}_bands"), *negative);
             figures.set(&format!("axis_over_diagonal_{bands}_bands"), flux[0] / flux[2]);
         }
-        for Moment { scheme: (_, name), path, albedo, ratio } in &self.moments {
+        for MomentRatio { scheme: (_, name), path, albedo, ratio } in &self.moments {
             figures.set(&format!("moment_ratio_{name}{path}_{albedo}"), *ratio);
         }
     }
@@ -113,11 +113,11 @@ impl Studies {
 
     /// Ratios against mean free paths.
     pub fn plot(&self) -> Plot {
-        let line = |of: &[Moment]| {
+        let line = |of: &[MomentRatio]| {
             let points = of.iter().map(|moment| (f64::from(moment.path), moment.ratio)).collect();
             Line::dotted(format!("{}, albedo {}", of[0].scheme.0.factors.name(), of[0].albedo), points)
         };
-        let alike = |a: &Moment, b: &Moment| (a.scheme, a.albedo) == (b.scheme, b.albedo);
+        let alike = |a: &MomentRatio, b: &MomentRatio| (a.scheme, a.albedo) == (b.scheme, b.albedo);
         let far = |of: &[Monopole]| {
             let points = of.iter().map(|monopole| (f64::from(monopole.path), monopole.ratio)).collect();
             Line::dotted(format!("fluence far away, albedo {}", of[0].albedo), points)
@@ -135,8 +135,8 @@ impl Studies {
 
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
-        let row = |moment: &Moment| {
-            let Moment { scheme: (scheme, name), path, albedo, ratio } = moment;
+        let row = |moment: &MomentRatio| {
+            let MomentRatio { scheme: (scheme, name), path, albedo, ratio } = moment;
             let far = self.monopole(*path, *albedo).filter(|_| name.is_empty());
             vec![
                 scheme.factors.name().to_owned(),

@@ -12,10 +12,10 @@ use deepshade_render::methods::gpu_epipolar;
 use deepshade_render::methods::lpv::LpvParameters;
 use deepshade_render::methods::lpv::in_medium::InMedium;
 use deepshade_render::methods::lpv::passes::Pixel;
-use deepshade_render::path::{self, Part, Sampling, Shot};
-use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
+use deepshade_render::path::{self, LightPart, Sampling, Shot};
+use deepshade_render::raster::frame::{Frame, FrameStage, RasterSettings};
 use deepshade_render::scene::{Camera, Density, Light, Look, Material, Medium, SceneSource};
-use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::Vec3;
@@ -51,7 +51,7 @@ impl<'a> LpvFrame<'a> {
     pub fn new(gpu: &'a Gpu, source: &SceneSource, Size { width, height }: Size) -> Result<Self> {
         let (scene, camera) = foggy(&source.trace(0.0)?, [height, width])?;
         let attributes = ATTRIBUTES.to_vec();
-        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
+        let settings = RasterSettings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.lpv", |encoder| {
@@ -65,7 +65,7 @@ impl<'a> LpvFrame<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn plan(&self, parameters: LpvParameters) -> Result<Plan, GpuError> {
+    pub fn passes(&self, parameters: LpvParameters) -> Result<MethodPasses, GpuError> {
         self.planned(&ScreenMethod::new(self.gpu, InMedium::multiple(parameters)))
     }
 
@@ -74,7 +74,7 @@ impl<'a> LpvFrame<'a> {
     /// # Errors
     /// If the device fails.
     pub fn multiple(&self, parameters: LpvParameters) -> Result<Planes, GpuError> {
-        self.image(&self.plan(parameters)?)
+        self.image(&self.passes(parameters)?)
     }
 
     /// Light of surfaces, where it is shown.
@@ -96,7 +96,7 @@ impl<'a> LpvFrame<'a> {
     }
 
     /// Path-traced truth of so many samples a pixel.
-    pub fn truth(&self, effect: Effect, part: Part, samples: u32) -> Planes {
+    pub fn truth(&self, effect: Effect, part: LightPart, samples: u32) -> Planes {
         let View { height, width, camera, radius, .. } = self.view;
         let shot = Shot { part, ..Shot::new(&self.scene, &camera, [height, width], radius) };
         path::render(effect, &shot, Sampling::one(samples, 1)).mean
@@ -122,7 +122,7 @@ impl<'a> LpvFrame<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn clear(&self, parameters: LpvParameters) -> Result<Plan, GpuError> {
+    pub fn clear(&self, parameters: LpvParameters) -> Result<MethodPasses, GpuError> {
         self.planned(&ScreenMethod::new(self.gpu, parameters))
     }
 
@@ -131,10 +131,10 @@ impl<'a> LpvFrame<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn sent_by_surfels(&self, plan: &Plan, face: f64) -> Result<Vec<f64>, GpuError> {
+    pub fn sent_by_surfels(&self, passes: &MethodPasses, face: f64) -> Result<Vec<f64>, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
-        gpu::submit(device, queue, "bench.lpv", |encoder| plan.encode(encoder))?;
-        let inject = plan.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
+        gpu::submit(device, queue, "bench.lpv", |encoder| passes.encode(encoder))?;
+        let inject = passes.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
         let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
         let sums: Vec<[[u32; 2]; 12]> = gpu::read(device, queue, sums)?;
         // 64 bits of which 40 are behind the point, over the area of a cell's face; the fourth is red's
@@ -164,16 +164,16 @@ impl<'a> LpvFrame<'a> {
         Ok((all, milliseconds))
     }
 
-    fn planned(&self, method: &ScreenMethod) -> Result<Plan, GpuError> {
+    fn planned(&self, method: &ScreenMethod) -> Result<MethodPasses, GpuError> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
-        Plan::new(method, &inputs, &self.view)
+        MethodPasses::new(method, &inputs, &self.view)
     }
 
-    fn image(&self, plan: &Plan) -> Result<Planes, GpuError> {
+    fn image(&self, passes: &MethodPasses) -> Result<Planes, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
-        gpu::submit(device, queue, "bench.lpv", |encoder| plan.encode(encoder))?;
-        let data = gpu::read(device, queue, plan.output())?;
+        gpu::submit(device, queue, "bench.lpv", |encoder| passes.encode(encoder))?;
+        let data = gpu::read(device, queue, passes.output())?;
         Ok(Planes::from_data(3, self.view.height, self.view.width, data))
     }
 }

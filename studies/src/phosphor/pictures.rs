@@ -15,7 +15,7 @@ use deepshade_render::methods::phosphor::glassner::GlassnerParameters as Moments
 use deepshade_render::methods::surfel;
 use deepshade_render::methods::surfel::indirect::{INDIRECT, KEPT_LIGHT};
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
-use deepshade_render::screen::{Plan, ScreenMethod};
+use deepshade_render::screen::{MethodPasses, ScreenMethod};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use image::{RgbImage, imageops};
@@ -29,13 +29,13 @@ const SAMPLES: u32 = 256;
 const STEP: f32 = 0.5;
 
 /// A picture, and how far light by frames is from the same light path traced, as a relative squared error.
-pub struct Picture {
+pub struct RoomImage {
     pub path: PathBuf,
     name: &'static str,
     error: f64,
 }
 
-impl Picture {
+impl RoomImage {
     /// Sets its figure.
     pub fn set(&self, figures: &mut Figures) {
         figures.set(&format!("relmse_frames_{}", self.name), self.error);
@@ -68,14 +68,14 @@ impl Light {
 ///
 /// # Errors
 /// If the device fails or a file cannot be written.
-pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<Picture>> {
+pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<Vec<RoomImage>> {
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     let mut subject = GlowingRoom::new(gpu, size, BRIGHT, false, vec![[0.0, OFF]])?;
-    let states = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::of(Quality::High)))?;
+    let states = subject.passes(&ScreenMethod::new(gpu, RateEquationParameters::of(Quality::High)))?;
     let by_surfels = surfel::SurfelParameters::of(Quality::High);
-    let kept = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, KEPT_LIGHT)))?;
-    let reflected = subject.plan(&ScreenMethod::new(gpu, Disks::new(by_surfels, INDIRECT)))?;
-    let [few, many] = rivals.map(|samples| subject.plan(&ScreenMethod::new(gpu, Moments { samples })));
+    let kept = subject.passes(&ScreenMethod::new(gpu, Disks::new(by_surfels, KEPT_LIGHT)))?;
+    let reflected = subject.passes(&ScreenMethod::new(gpu, Disks::new(by_surfels, INDIRECT)))?;
+    let [few, many] = rivals.map(|samples| subject.passes(&ScreenMethod::new(gpu, Moments { samples })));
     let (few, many) = (few?, many?);
     let (mut pictures, mut now) = (Vec::new(), 0.0);
     for (after, name) in AFTER {
@@ -100,7 +100,7 @@ pub fn write(gpu: &Gpu, folder: &Path, size: Size, rivals: [u32; 2]) -> Result<V
             light.into_iter().chain(kept.iter().map(|image| exposed(image, scale))).collect();
         let path = folder.join(format!("{name}.png"));
         write_png(&path, &side_by_side(&images, size))?;
-        pictures.push(Picture { path, name, error });
+        pictures.push(RoomImage { path, name, error });
     }
     Ok(pictures)
 }
@@ -119,7 +119,11 @@ fn traced(subject: &GlowingRoom<'_>, moment: f32, shines: bool) -> Result<Planes
 }
 
 /// The same of the frame that was made last.
-fn framed(subject: &GlowingRoom<'_>, [states, kept, reflected]: [&Plan; 3], shines: bool) -> Result<Planes> {
+fn framed(
+    subject: &GlowingRoom<'_>,
+    [states, kept, reflected]: [&MethodPasses; 3],
+    shines: bool,
+) -> Result<Planes> {
     let mut light = Light { direct: vec![subject.image(states)?], indirect: vec![subject.image(kept)?] };
     if shines {
         light.direct.push(subject.attribute(Attribute::DiffuseLight)?);

@@ -21,13 +21,13 @@ const GUESS: f64 = 500.0;
 const BYTES: f64 = 20.0;
 
 /// What was measured.
-pub struct Step {
+pub struct StepCost {
     milliseconds: f64,
     texels: usize,
     bandwidth_share: f64,
 }
 
-impl Step {
+impl StepCost {
     /// Measures it.
     ///
     /// # Errors
@@ -39,10 +39,11 @@ impl Step {
         let (mut milliseconds, mut texels) = (0.0, 0);
         // Texels are as the square of how many are along the diagonal, but for rounding.
         for _ in 0..4 {
-            let plan = subject.plan(&ScreenMethod::new(gpu, RateEquationParameters::exact(across as u32)))?;
-            subject.make(0.0, &[&plan])?;
-            subject.make(1.0 / 60.0, &[&plan])?;
-            (milliseconds, texels) = subject.step(&plan, runs)?;
+            let passes =
+                subject.passes(&ScreenMethod::new(gpu, RateEquationParameters::exact(across as u32)))?;
+            subject.make(0.0, &[&passes])?;
+            subject.make(1.0 / 60.0, &[&passes])?;
+            (milliseconds, texels) = subject.step(&passes, runs)?;
             let ratio = TEXELS / texels as f64;
             if (ratio - 1.0).abs() < NEAR {
                 break;

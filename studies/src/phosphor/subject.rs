@@ -6,9 +6,9 @@ use deepshade::shared::arguments::Size;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::path::{self, Sampling, Shot};
-use deepshade_render::raster::frame::{Frame, Settings, Stage};
+use deepshade_render::raster::frame::{Frame, FrameStage, RasterSettings};
 use deepshade_render::scene::Glow;
-use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl<'a> GlowingRoom<'a> {
             Attribute::Diffuse,
             Attribute::Valid,
         ];
-        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
+        let settings = RasterSettings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let frame = Frame::new(gpu, &scene.clone().into(), &settings)?;
         let scene = TracedScene::new(scene)?;
         let view = View { height, width, camera, radius: scene.diagonal(), seed: 0 };
@@ -57,22 +57,22 @@ impl<'a> GlowingRoom<'a> {
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn plan(&self, method: &ScreenMethod) -> Result<Plan> {
+    pub fn passes(&self, method: &ScreenMethod) -> Result<MethodPasses> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
-        Ok(Plan::new(method, &inputs, &self.view)?)
+        Ok(MethodPasses::new(method, &inputs, &self.view)?)
     }
 
     /// Makes the frame of a moment, and with it what plans make of it.
     ///
     /// # Errors
     /// If the device fails.
-    pub fn make(&mut self, moment: f32, plans: &[&Plan]) -> Result<()> {
+    pub fn make(&mut self, moment: f32, plans: &[&MethodPasses]) -> Result<()> {
         let Gpu { device, queue, .. } = self.gpu;
         self.frame.set(queue, moment, 0.0, &self.view.camera);
         gpu::submit(device, queue, "bench.phosphor", |encoder| {
-            Stage::ALL.into_iter().for_each(|stage| self.frame.encode(stage, encoder, None));
-            plans.iter().for_each(|plan| plan.encode(encoder));
+            FrameStage::ALL.into_iter().for_each(|stage| self.frame.encode(stage, encoder, None));
+            plans.iter().for_each(|passes| passes.encode(encoder));
         })?;
         Ok(())
     }
@@ -81,8 +81,8 @@ impl<'a> GlowingRoom<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn image(&self, plan: &Plan) -> Result<Planes> {
-        let data = gpu::read(&self.gpu.device, &self.gpu.queue, plan.output())?;
+    pub fn image(&self, passes: &MethodPasses) -> Result<Planes> {
+        let data = gpu::read(&self.gpu.device, &self.gpu.queue, passes.output())?;
         Ok(Planes::from_data(3, self.view.height, self.view.width, data))
     }
 
@@ -106,18 +106,19 @@ impl<'a> GlowingRoom<'a> {
     ///
     /// # Errors
     /// If the device fails.
-    pub fn milliseconds(&self, plan: &Plan, runs: usize) -> Result<f64> {
+    pub fn milliseconds(&self, passes: &MethodPasses, runs: usize) -> Result<f64> {
         let Gpu { device, queue, .. } = self.gpu;
-        Ok(gpu::time(device, queue, "bench.phosphor", 1, runs, |encoder| plan.encode(encoder))?.milliseconds)
+        Ok(gpu::time(device, queue, "bench.phosphor", 1, runs, |encoder| passes.encode(encoder))?
+            .milliseconds)
     }
 
     /// Milliseconds of the step of all states alone, and the texels that have them.
     ///
     /// # Errors
     /// If the device fails.
-    pub fn step(&self, plan: &Plan, runs: usize) -> Result<(f64, usize)> {
+    pub fn step(&self, passes: &MethodPasses, runs: usize) -> Result<(f64, usize)> {
         let Gpu { device, queue, .. } = self.gpu;
-        let [.., step, _] = plan.steps() else { unreachable!("it ends with the step and what is shown") };
+        let [.., step, _] = passes.steps() else { unreachable!("it ends with the step and what is shown") };
         let timing = gpu::time(device, queue, "bench.phosphor.step", 1, runs, |encoder| {
             step.step.encode(encoder, "step", None);
         })?;

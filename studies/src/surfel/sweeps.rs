@@ -5,7 +5,7 @@ use super::subject::SurfelFrame;
 use crate::stages::Cost;
 use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::surfel::{SurfelParameters, occlusion::OCCLUSION};
-use deepshade_render::screen::{Plan, ScreenMethod, upsampling};
+use deepshade_render::screen::{MethodPasses, ScreenMethod, upsampling};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Effect, Planes};
 use serde_json::json;
@@ -70,17 +70,17 @@ pub fn run(
     let flat = SurfelParameters { levels: 1, ..usual };
     let shaded = |subject: &SurfelFrame<'_>, parameters: SurfelParameters| {
         let method = method.with(Disks::new(parameters, OCCLUSION));
-        let plan = Plan::new(&method, &subject.inputs(), &subject.view)?;
-        let cost = Cost::of(gpu, &plan, runs)?;
-        Ok::<_, GpuError>((plan, cost.total))
+        let passes = MethodPasses::new(&method, &subject.inputs(), &subject.view)?;
+        let cost = Cost::of(gpu, &passes, runs)?;
+        Ok::<_, GpuError>((passes, cost.total))
     };
-    let image = |plan: &Plan| -> Result<Planes, GpuError> { made(gpu, subject, plan.output()) };
+    let image = |passes: &MethodPasses| -> Result<Planes, GpuError> { made(gpu, subject, passes.output()) };
 
-    let (plan, milliseconds) = shaded(subject, flat)?;
-    let wanted = image(&plan)?;
+    let (passes, milliseconds) = shaded(subject, flat)?;
+    let wanted = image(&passes)?;
     let mut rows = vec![Row { variant: Variant::FullResolution, milliseconds, difference: 0.0 }];
-    let (plan, few) = shaded(half, flat)?;
-    let (found, upsampling) = upsampled(gpu, [subject, half], &plan, runs)?;
+    let (passes, few) = shaded(half, flat)?;
+    let (found, upsampling) = upsampled(gpu, [subject, half], &passes, runs)?;
     let difference = difference(&found, &wanted);
     rows.push(Row { variant: Variant::HalfResolution, milliseconds: few + upsampling, difference });
     let mut levels = LEVELS.to_vec();
@@ -90,8 +90,8 @@ pub fn run(
     let thresholds =
         THRESHOLDS.map(|threshold| (Variant::Threshold(threshold), SurfelParameters { threshold, ..usual }));
     for (variant, parameters) in levels.chain(thresholds) {
-        let (plan, milliseconds) = shaded(subject, parameters)?;
-        let difference = self::difference(&image(&plan)?, &wanted);
+        let (passes, milliseconds) = shaded(subject, parameters)?;
+        let difference = self::difference(&image(&passes)?, &wanted);
         rows.push(Row { variant, milliseconds, difference });
     }
     Ok(rows)
@@ -101,13 +101,13 @@ pub fn run(
 fn upsampled(
     gpu: &Gpu,
     [subject, half]: [&SurfelFrame<'_>; 2],
-    plan: &Plan,
+    passes: &MethodPasses,
     runs: usize,
 ) -> Result<(Planes, f64), GpuError> {
     let Gpu { device, queue, .. } = gpu;
     let (full, few) = (subject.inputs().gbuffer, half.inputs().gbuffer);
     let image = gpu::empty::<f32>(device, "bench.surfel.upsampled", full.height() * full.width())?;
-    let step = upsampling::step(device, Effect::Ao, (few, plan.output()), (full, &image))?;
+    let step = upsampling::step(device, Effect::Ao, (few, passes.output()), (full, &image))?;
     let record = |encoder: &mut wgpu::CommandEncoder| step.step.encode(encoder, "upsampling", None);
     let timing = gpu::time(device, queue, "upsampling", usize::from(runs > 1), runs, record)?;
     Ok((made(gpu, subject, &image)?, timing.milliseconds))

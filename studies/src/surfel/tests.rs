@@ -17,14 +17,14 @@ fn every_pass_has_a_stage_and_stages_add_up() {
     let effects: Vec<Effect> = Effect::ALL.into_iter().filter(shaded).collect();
     let methods = opened(&line.args, &gpu, &effects).expect("methods");
     let attributes: Vec<_> = methods.iter().flat_map(|method| method.attributes()).copied().collect();
-    let staged = subject::staged(&line.args, &effects).expect("a room");
+    let animated_view = subject::open(&line.args, &effects).expect("a room");
     let size = "64x48".parse().expect("a size");
-    let subject = SurfelFrame::new(&gpu, &staged, None, size, &attributes).expect("room");
+    let subject = SurfelFrame::new(&gpu, &animated_view, None, size, &attributes).expect("room");
     for method in &methods {
         let name = format!("{} by {}", method.effect(), method.name());
-        let plan = Plan::new(method, &subject.inputs(), &subject.view).expect("a plan");
-        assert!(plan.steps().iter().all(|step| Stage::of(step).is_some()), "{name}");
-        let cost = Cost::of(&gpu, &plan, 1).expect("times");
+        let passes = MethodPasses::new(method, &subject.inputs(), &subject.view).expect("a plan");
+        assert!(passes.steps().iter().all(|step| Stage::of(step).is_some()), "{name}");
+        let cost = Cost::of(&gpu, &passes, 1).expect("times");
         let has = |stage| cost.stages.iter().any(|(other, _)| *other == stage);
         assert!(has(Stage::Surfels) && has(Stage::Splat), "{name}: {cost:?}");
         assert_eq!(

@@ -9,8 +9,8 @@ use deepshade_render::methods::volume_shell::VolumeShellParameters;
 use deepshade_render::methods::volume_shell::direct::Direct;
 use deepshade_render::metrics::{exposed, exposure, relative_mse};
 use deepshade_render::path::{self, Sampling, Shot};
-use deepshade_render::raster::frame::{Frame, Settings, Stage as FrameStage};
-use deepshade_render::screen::{Inputs, Plan, ScreenMethod, View};
+use deepshade_render::raster::frame::{Frame, FrameStage, RasterSettings};
+use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, Effect, Planes};
 
@@ -46,7 +46,7 @@ impl<'a> ShellFrame<'a> {
         let (scene, camera) = cloud_box()?;
         let scene = TracedScene::new(scene)?;
         let attributes = vec![Attribute::Position, Attribute::Normal, Attribute::Light, Attribute::Valid];
-        let settings = Settings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
+        let settings = RasterSettings { height, width, attributes, shadow_size: Some(SHADOW_SIZE) };
         let mut frame = Frame::new(gpu, &scene.scene().clone().into(), &settings)?;
         frame.set(&gpu.queue, 0.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "bench.volume-shell", |encoder| {
@@ -95,9 +95,9 @@ impl<'a> ShellFrame<'a> {
     fn measured(&self, method: &ScreenMethod, runs: usize) -> Result<Shaded, GpuError> {
         let inputs =
             Inputs { gbuffer: self.frame.gbuffer(), environment: None, world: Some(self.frame.world()) };
-        let plan = Plan::new(method, &inputs, &self.view)?;
-        let cost = Cost::of(self.gpu, &plan, runs)?;
-        let data = gpu::read(&self.gpu.device, &self.gpu.queue, plan.output())?;
+        let passes = MethodPasses::new(method, &inputs, &self.view)?;
+        let cost = Cost::of(self.gpu, &passes, runs)?;
+        let data = gpu::read(&self.gpu.device, &self.gpu.queue, passes.output())?;
         Ok(Shaded { image: Planes::from_data(3, self.view.height, self.view.width, data), cost })
     }
 }

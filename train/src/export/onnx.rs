@@ -9,7 +9,7 @@ use super::proto::{
     AttributeProto, Dimension, Extent, FLOAT, GraphProto, INT64, ModelProto, NodeProto, OperatorSetIdProto,
     TensorProto, TensorShapeProto, TensorTypeProto, TypeProto, ValueInfoProto,
 };
-use deepshade_infer::{Head, Layer, Model, NetSpec, Source};
+use deepshade_infer::{BlockSource, Head, Layer, Model, NetSpec};
 use prost::Message;
 
 /// Name of the graph's input, `[batch, channels, height, width]`.
@@ -27,11 +27,11 @@ pub fn encode(model: &Model) -> Vec<u8> {
     let layers = spec.layers();
     for (layer, weights) in layers.iter().zip(&model.weights.0) {
         let input = match layer.source {
-            Source::Input => padded.clone(),
-            Source::Folded => graph.fold(&layer.name, &padded),
-            Source::Plain(from) => outputs[from].clone(),
-            Source::Pooled(finer) => graph.halve(&layer.name, &outputs[finer]),
-            Source::Joined { coarse, skip, groups } => {
+            BlockSource::Input => padded.clone(),
+            BlockSource::Folded => graph.fold(&layer.name, &padded),
+            BlockSource::Plain(from) => outputs[from].clone(),
+            BlockSource::Pooled(finer) => graph.halve(&layer.name, &outputs[finer]),
+            BlockSource::Joined { coarse, skip, groups } => {
                 let coarse = graph.double(&layer.name, &outputs[coarse]);
                 graph.join(&layers, layer, groups, &coarse, &outputs[skip])
             }

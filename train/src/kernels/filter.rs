@@ -15,12 +15,12 @@ use std::sync::Arc;
 /// What the filter was run with: the light of every image, and what the last convolution made,
 /// `[batch, weights, height, width]`.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct FilterState {
     lights: Arc<[Light]>,
     made: Cpu,
 }
 
-impl Run {
+impl FilterState {
     /// Of `made` `[batch, weights, height, width]` and `light` `[batch, channels, height, width]`.
     pub fn new(filter: Filter, made: Cpu, light: &Cpu) -> Self {
         let [_, channels, height, width] = dims(light);
@@ -90,9 +90,9 @@ fn softmax_backward(weights: &[f32], mut by_weight: Vec<f32>, width: usize) -> V
 pub struct Filtered;
 
 impl Backward<Flex, 1> for Filtered {
-    type State = Run;
+    type State = FilterState;
 
-    fn backward(self, ops: Ops<Run, 1>, grads: &mut Gradients, _: &mut Checkpointer) {
+    fn backward(self, ops: Ops<FilterState, 1>, grads: &mut Gradients, _: &mut Checkpointer) {
         let dy = grads.consume::<Flex>(&ops.node).to_contiguous();
         if let [Some(made)] = ops.parents {
             grads.register::<Flex>(made.id, ops.state.gradient(&dy));

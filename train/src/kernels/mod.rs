@@ -104,7 +104,7 @@ impl NetOps for Flex {
     }
 
     fn filtered(filter: Filter, made: Cpu, light: Cpu) -> Cpu {
-        filter::Run::new(filter, made.to_contiguous(), &light.to_contiguous()).image()
+        filter::FilterState::new(filter, made.to_contiguous(), &light.to_contiguous()).image()
     }
 }
 
@@ -121,7 +121,9 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
         let weight = weight.into_primitive().to_contiguous();
         let y = Flex::convolve(x.clone(), weight.clone(), bias.into_primitive(), pooled, leak);
         match Convolve.prepare::<C>(guards).compute_bound().stateful() {
-            OpsKind::Tracked(prep) => prep.finish((x, pooled, Run { weight, y: y.clone(), leak }), y),
+            OpsKind::Tracked(prep) => {
+                prep.finish((x, pooled, ConvolutionState { weight, y: y.clone(), leak }), y)
+            }
             OpsKind::UnTracked(prep) => prep.finish(y),
         }
     }
@@ -141,7 +143,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
         let y = Flex::convolve_joined(coarse, fine, weight.clone(), bias.into_primitive(), join_groups, leak);
         match ConvolveJoined.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => {
-                prep.finish((images, join_groups, Run { weight, y: y.clone(), leak }), y)
+                prep.finish((images, join_groups, ConvolutionState { weight, y: y.clone(), leak }), y)
             }
             OpsKind::UnTracked(prep) => prep.finish(y),
         }
@@ -150,7 +152,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
     fn filtered(filter: Filter, made: FloatTensor<Self>, light: FloatTensor<Self>) -> FloatTensor<Self> {
         let guards = [made.node()];
         let made = made.into_primitive().to_contiguous();
-        let run = filter::Run::new(filter, made, &light.into_primitive().to_contiguous());
+        let run = filter::FilterState::new(filter, made, &light.into_primitive().to_contiguous());
         let y = run.image();
         match filter::Filtered.prepare::<C>(guards).compute_bound().stateful() {
             OpsKind::Tracked(prep) => prep.finish(run, y),
@@ -161,7 +163,7 @@ impl<C: CheckpointStrategy> NetOps for Autodiff<Flex, C> {
 
 /// What a convolution was run with, and what it made.
 #[derive(Clone, Debug)]
-struct Run {
+struct ConvolutionState {
     weight: Cpu,
     y: Cpu,
     leak: f32,
@@ -172,7 +174,7 @@ struct Run {
 struct Convolve;
 
 impl Backward<Flex, 3> for Convolve {
-    type State = (Cpu, bool, Run);
+    type State = (Cpu, bool, ConvolutionState);
 
     fn backward(self, ops: Ops<Self::State, 3>, grads: &mut Gradients, _: &mut Checkpointer) {
         let (x, pooled, run) = ops.state;
@@ -190,7 +192,7 @@ impl Backward<Flex, 3> for Convolve {
 struct ConvolveJoined;
 
 impl Backward<Flex, 4> for ConvolveJoined {
-    type State = ([Cpu; 2], usize, Run);
+    type State = ([Cpu; 2], usize, ConvolutionState);
 
     fn backward(self, ops: Ops<Self::State, 4>, grads: &mut Gradients, _: &mut Checkpointer) {
         let ([coarse, fine], join_groups, run) = ops.state;
@@ -228,8 +230,13 @@ fn forward(operand: &Operand<'_>, weight: &Cpu, bias: &Cpu, leak: f32) -> Cpu {
     tensor(y, [shape.batch, shape.groups * shape.outputs, shape.height, shape.width])
 }
 
-fn backward(operand: &Operand<'_>, run: &Run, dy: &Cpu, wants_operand: bool) -> backward::Gradients {
-    let Run { weight, y, leak } = run;
+fn backward(
+    operand: &Operand<'_>,
+    run: &ConvolutionState,
+    dy: &Cpu,
+    wants_operand: bool,
+) -> backward::Gradients {
+    let ConvolutionState { weight, y, leak } = run;
     let made = Made { weight: numbers(weight), y: numbers(y), dy: numbers(dy), leak: *leak };
     backward::backward(shape(operand, weight), operand, made, wants_operand)
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 
 /// A step.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum Instruction {
     /// A line for the shell.
     Run(String),
     /// From a path of the first stage to one of this.
@@ -15,16 +15,16 @@ pub enum Step {
 ///
 /// # Errors
 /// If there is an instruction that is not known here.
-pub fn last_stage(text: &str) -> Result<Vec<Step>> {
+pub fn last_stage(text: &str) -> Result<Vec<Instruction>> {
     let mut steps = Vec::new();
     for line in joined(text) {
         let (word, rest) = line.split_once(' ').unwrap_or((&line, ""));
         let words: Vec<&str> = rest.split_whitespace().collect();
         match (word, words.as_slice()) {
             ("FROM", _) => steps.clear(),
-            ("RUN", _) => steps.push(Step::Run(rest.to_owned())),
+            ("RUN", _) => steps.push(Instruction::Run(rest.to_owned())),
             ("COPY", ["--from=build", from, to]) => {
-                steps.push(Step::Copy((*from).to_owned(), (*to).to_owned()));
+                steps.push(Instruction::Copy((*from).to_owned(), (*to).to_owned()));
             }
             ("COPY", [_, _]) | ("USER" | "ENV" | "WORKDIR" | "ENTRYPOINT" | "CMD", _) => {}
             _ => bail!("what `{line}` does is not known here"),
@@ -65,7 +65,10 @@ mod tests {
     fn steps_are_those_of_the_last_stage() {
         let text = "FROM a AS build\nRUN make\n# a word\nFROM b\nRUN one \\\n    && two\nCOPY --from=build /src/x /y\nUSER z";
         let steps = last_stage(text).expect("steps");
-        let expected = [Step::Run("one && two".to_owned()), Step::Copy("/src/x".to_owned(), "/y".to_owned())];
+        let expected = [
+            Instruction::Run("one && two".to_owned()),
+            Instruction::Copy("/src/x".to_owned(), "/y".to_owned()),
+        ];
         assert_eq!(steps, expected);
         assert!(last_stage("FROM b\nVOLUME /x").is_err());
         assert!(build(text).is_err());

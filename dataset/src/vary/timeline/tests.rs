@@ -127,7 +127,7 @@ fn what_is_animated_in_a_file_goes_on() {
     let first = Camera::look_at(Vec3::new(2.0, 1.5, 8.0), Vec3::new(2.0, 0.5, 0.0));
     let (_, drawn) = staged.draw(first, 5);
     let shown = |time: f32| {
-        let moment = Some(Moment { time, first });
+        let moment = Some(TimelineMoment { time, first });
         let variation = drawn.map(|drawn| Variation { moment, ..drawn });
         staged.shown(&first, variation.as_ref()).expect("shown")
     };

@@ -67,7 +67,7 @@ fn shapes_that_no_kernel_has_are_not_taken_from_a_file() {
     let device = gpu().device;
     let mut tuning = Tuning::new(&device);
     let nonsense = Timed { outputs: 5, pixels: [7, 0], staged: true, milliseconds: 1.0 };
-    let measured = Measured { software: Some(0.5), fastest: Some(nonsense) };
+    let measured = LayerTimes { software: Some(0.5), fastest: Some(nonsense) };
     tuning.remember(&spec(), Precision::F32, SIZE, &[measured; 3]);
     assert_eq!(chosen(&tuning), Some(Variant::gpu(&device.limits(), &spec(), OutputKind::Buffer)));
     let buffers = tuning.variant(&spec(), &Options::default(), SIZE);
@@ -99,7 +99,7 @@ fn that_no_kernel_works_is_remembered_and_an_error_that_names_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tuning.json");
     let (mut tuning, _) = Tuning::load(&gpu.device, &path);
-    tuning.remember(&spec(), Precision::F32, SIZE, &[Measured::default(); 3]);
+    tuning.remember(&spec(), Precision::F32, SIZE, &[LayerTimes::default(); 3]);
     tuning.save(&path).expect("written");
     let (loaded, _) = Tuning::load(&gpu.device, &path);
     let error = loaded.variant(&spec(), &Options::default(), SIZE).expect_err("none works");
@@ -115,7 +115,7 @@ fn where_no_half_floats_work_a_network_has_32_bits() {
         "lavapipe and GPUs of today have them"
     );
     let mut tuning = Tuning::new(&gpu.device);
-    tuning.remember(&spec(), Precision::F16, SIZE, &[Measured::default(); 3]);
+    tuning.remember(&spec(), Precision::F16, SIZE, &[LayerTimes::default(); 3]);
     let model = Model { weights: Weights::random(&spec(), 2), spec: spec() };
     let options = Options { precision: Precision::F16, ..Options::default() };
     let (network, notes) = tuning.network(&gpu, &model, &options, SIZE).expect("32 bits do");
@@ -129,15 +129,17 @@ fn a_network_that_fails_spoils_no_other() {
     let mut tuning = Tuning::new(&gpu.device);
     let shape = shapes(&spec(), 0, OutputKind::Buffer, tuning.limits.max_compute_workgroup_storage_size)[0];
     let Shape { outputs, pixels, staged } = shape;
-    let works =
-        Measured { software: Some(0.5), fastest: Some(Timed { outputs, pixels, staged, milliseconds: 1.0 }) };
+    let works = LayerTimes {
+        software: Some(0.5),
+        fastest: Some(Timed { outputs, pixels, staged, milliseconds: 1.0 }),
+    };
     tuning.remember(&spec(), Precision::F32, SIZE, &[works; 3]);
     let before = chosen(&tuning);
     // It begins with the same layer.
     let deeper = spec().reshaped(|net| net.levels = 3);
     let layers = |spec: &NetSpec| keys(spec, Precision::F32, SIZE, &tuning.limits);
     assert_eq!(layers(&deeper)[0], layers(&spec())[0]);
-    tuning.remember(&deeper, Precision::F32, SIZE, &[Measured::default(); 5]);
+    tuning.remember(&deeper, Precision::F32, SIZE, &[LayerTimes::default(); 5]);
     assert_eq!(chosen(&tuning), before);
     let buffers = tuning.variant(&spec(), &Options::default(), SIZE);
     assert_eq!(buffers.expect("works"), Some(Variant::Software));

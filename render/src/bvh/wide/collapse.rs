@@ -14,7 +14,7 @@ const LEAF_COST: f32 = 1.0;
 
 /// How a subtree becomes a forest.
 #[derive(Clone, Copy, Default)]
-struct Plan {
+struct CollapseCosts {
     /// Cost of the best forest of at most i + 1 roots.
     cost: [f32; LANES - 1],
     /// How many of at most i + 2 roots come from the first child; 0 where fewer roots do as well.
@@ -28,7 +28,7 @@ struct Plan {
 /// An eight-wide tree.
 pub struct Tree<'a> {
     binary: &'a Bvh2,
-    plans: Vec<Plan>,
+    plans: Vec<CollapseCosts>,
     /// The first is the root.
     pub nodes: Vec<Node>,
     /// Where the triangles of each leaf are in `order`, at most [`LANES`] of them.
@@ -38,14 +38,19 @@ pub struct Tree<'a> {
 }
 
 /// The plan of each node of a binary hierarchy with one triangle a leaf.
-fn plans(binary: &Bvh2) -> Vec<Plan> {
-    let mut plans = vec![Plan::default(); binary.nodes.len()];
+fn plans(binary: &Bvh2) -> Vec<CollapseCosts> {
+    let mut plans = vec![CollapseCosts::default(); binary.nodes.len()];
     for index in children_first(binary) {
         let node = &binary.nodes[index];
         let area = node.aabb.half_area();
         plans[index] = if node.is_leaf() {
             let cost = [area * LEAF_COST; LANES - 1];
-            Plan { cost, triangles: node.prim_count.min(255) as u8, leaf: true, ..Plan::default() }
+            CollapseCosts {
+                cost,
+                triangles: node.prim_count.min(255) as u8,
+                leaf: true,
+                ..CollapseCosts::default()
+            }
         } else {
             let first = node.first_index as usize;
             joined(area, &plans[first], &plans[first + 1])
@@ -55,9 +60,9 @@ fn plans(binary: &Bvh2) -> Vec<Plan> {
 }
 
 /// The plan of a node from those of its children.
-fn joined(area: f32, first: &Plan, second: &Plan) -> Plan {
+fn joined(area: f32, first: &CollapseCosts, second: &CollapseCosts) -> CollapseCosts {
     let triangles = first.triangles.saturating_add(second.triangles);
-    let mut plan = Plan { triangles, ..Plan::default() };
+    let mut plan = CollapseCosts { triangles, ..CollapseCosts::default() };
     for roots in 2..=LANES {
         let split = |takes: usize| first.cost[takes - 1] + second.cost[roots - takes - 1];
         let fewest = 1.max(roots.saturating_sub(LANES - 1));

@@ -39,7 +39,7 @@ pub trait Eight: Copy {
 }
 
 /// Work that is compiled for each kind of processor.
-pub trait Work {
+pub trait WithEight {
     /// What comes out.
     type Output;
     /// Does it. To be `#[inline(always)]`, with all that it calls, and without closures of its own: what is
@@ -69,7 +69,7 @@ impl Processor {
 
     /// Does some work.
     #[inline(always)]
-    pub fn run<W: Work>(self, work: W) -> W::Output {
+    pub fn run<W: WithEight>(self, work: W) -> W::Output {
         match self {
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(simd) => Simd::vectorize(simd, WithAvx2 { simd, work }),
@@ -152,7 +152,7 @@ struct WithAvx2<W> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<W: Work> WithSimd for WithAvx2<W> {
+impl<W: WithEight> WithSimd for WithAvx2<W> {
     type Output = W::Output;
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! Rays on their way through an eight-wide hierarchy, to the nearest child first.
 
-use super::eight::{Eight, LANES, Work};
+use super::eight::{Eight, LANES, WithEight};
 use super::intersect::{Shear, Slabs, moved};
 use super::{Child, Fan, Node, Ray, Wide};
 use glam::Vec3;
@@ -16,7 +16,7 @@ pub struct Walk<'a, T, const NEAREST: bool, const MOVING: bool> {
     pub there: T,
 }
 
-impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> Work for Walk<'_, T, NEAREST, MOVING> {
+impl<T: Fn(u32) -> bool, const NEAREST: bool, const MOVING: bool> WithEight for Walk<'_, T, NEAREST, MOVING> {
     type Output = Option<(f32, u32)>;
 
     #[inline(always)]
@@ -36,7 +36,7 @@ pub struct WalkAll<'a, T> {
     pub there: T,
 }
 
-impl<T: Fn(u32, Vec3) -> bool> Work for WalkAll<'_, T> {
+impl<T: Fn(u32, Vec3) -> bool> WithEight for WalkAll<'_, T> {
     type Output = u64;
 
     #[inline(always)]

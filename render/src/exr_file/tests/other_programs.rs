@@ -12,10 +12,10 @@ struct File {
     display: Option<Window>,
     /// Attributes of the first part: name, type and value.
     attributes: Vec<(&'static str, &'static str, Vec<u8>)>,
-    parts: Vec<Part>,
+    parts: Vec<TestPart>,
 }
 
-struct Part {
+struct TestPart {
     name: &'static str,
     kind: &'static str,
     window: Window,
@@ -25,9 +25,9 @@ struct Part {
 
 const WHOLE: Window = Window::of_size(4, 6);
 
-fn part(name: &'static str, window: Window, channels: &[(&'static str, Value)]) -> Part {
+fn part(name: &'static str, window: Window, channels: &[(&'static str, Value)]) -> TestPart {
     let channels = channels.iter().map(|(name, value)| (*name, 1, *value)).collect();
-    Part { name, kind: "scanlineimage", window, channels }
+    TestPart { name, kind: "scanlineimage", window, channels }
 }
 
 fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
@@ -43,7 +43,7 @@ fn bounds(window: Window) -> Vec<u8> {
     numbers(&[window.left, window.top, right, bottom])
 }
 
-impl Part {
+impl TestPart {
     fn is_deep(&self) -> bool {
         self.kind.starts_with("deep")
     }
@@ -101,12 +101,12 @@ impl Part {
 }
 
 impl File {
-    fn of(parts: Vec<Part>) -> Self {
+    fn of(parts: Vec<TestPart>) -> Self {
         Self { parts, ..Self::default() }
     }
 
     fn write(&self, folder: &Path) -> PathBuf {
-        let deep = if self.parts.iter().any(Part::is_deep) { 0x800 } else { 0 };
+        let deep = if self.parts.iter().any(TestPart::is_deep) { 0x800 } else { 0 };
         let mut bytes = numbers(&[20_000_630, 2 | 0x1000 | deep]);
         for (index, part) in self.parts.iter().enumerate() {
             let header = part.header(self);

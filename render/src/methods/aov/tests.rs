@@ -13,7 +13,7 @@ use crate::path::{self, Sampling, Shot};
 use crate::raster::World;
 use crate::scene::procedural::Family;
 use crate::scene::{AlphaMode, Material, MaterialId, Mesh, Scene};
-use crate::screen::{GpuGBuffer, Inputs, Plan, ScreenMethod};
+use crate::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 use glam::{UVec2, Vec3, Vec4};
@@ -102,9 +102,9 @@ fn above_floor(method: &ScreenMethod, scene: &Scene, radius: f32) -> Vec<f32> {
     let world = World::new(gpu, &scene.clone().into(), None).expect("a scene");
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
-    let plan = Plan::new(method, &inputs, &view(24, 32, radius)).expect("room");
-    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-    gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+    let passes = MethodPasses::new(method, &inputs, &view(24, 32, radius)).expect("room");
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
+    gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image")
 }
 
 fn volumes() -> ScreenMethod {

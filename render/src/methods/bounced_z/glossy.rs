@@ -7,7 +7,7 @@ use super::passes::Rays;
 use super::reference::{Arriving, shade};
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe::{self, Gloss};
-use crate::surfels::Lit;
+use crate::surfels::SurfelLight;
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
@@ -16,7 +16,7 @@ use glam::Vec3;
 pub const GLOSSY: DiskEffect<BouncedZParameters> = DiskEffect {
     effect: Effect::Glossy,
     attributes: lobe::ATTRIBUTES,
-    lit: Some(Lit::Reflected),
+    lit: Some(SurfelLight::Reflected),
     passes: Rays {
         trace: Shader::at("methods/bounced-z/glossy_trace"),
         arrive: Shader::at("methods/bounced-z/light"),

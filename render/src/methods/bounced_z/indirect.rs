@@ -7,7 +7,7 @@ use super::reference::{Arriving, shade};
 use super::{BouncedZParameters, Matte};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::methods::surfel::reference::sent;
-use crate::surfels::Lit;
+use crate::surfels::SurfelLight;
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
@@ -22,7 +22,7 @@ pub const LIGHT: Arriving = Arriving {
 pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {
     effect: Effect::Gi,
     attributes: SURFACE,
-    lit: Some(Lit::Reflected),
+    lit: Some(SurfelLight::Reflected),
     passes: Rays {
         trace: Shader::at("methods/bounced-z/trace"),
         arrive: Shader::at("methods/bounced-z/light"),
@@ -36,4 +36,4 @@ pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {
 
 /// The effect `phosphor-gi`.
 pub const KEPT_LIGHT: DiskEffect<BouncedZParameters> =
-    DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), ..INDIRECT };

@@ -189,7 +189,7 @@ fn surfels_send_on_the_side_that_is_seen() {
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
     let fine = surfels::SurfelDensity { scale: 0.02, near: 0.01 };
-    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
+    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::SurfelLight::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let filter = blur::BlurParameters { radius: 2, sharpness: 512.0 };
     let image = shade(

@@ -135,14 +135,14 @@ mod tests {
     use super::*;
     use crate::methods::epipolar::geometry::Geometry;
     use crate::methods::epipolar::integrand::Ways;
-    use crate::methods::shafts::{Lamp, Place};
+    use crate::methods::shafts::{Lamp, LampPosition};
     use crate::path::medium::HenyeyGreenstein;
     use crate::scene::{Light, Scene};
     use glam::Vec3;
 
     /// Largest error of `W` terms over the largest value, where rays meet, and the fourth singular value over
     /// the first.
-    fn error<const W: usize>(place: Place, light: Light, anisotropy: f32) -> [f64; 2] {
+    fn error<const W: usize>(place: LampPosition, light: Light, anisotropy: f32) -> [f64; 2] {
         let scene = Scene::default();
         let lamp = Lamp::new(&scene, &light);
         let geometry = Geometry::new(Vec3::ZERO, place).expect("away from the light");
@@ -178,7 +178,7 @@ mod tests {
         let (irradiance, intensity) = (Vec3::ONE, Vec3::ONE);
         let sun = Light::Directional { direction: Vec3::Z, irradiance, pattern: None };
         let lamp = |range: f32| Light::Point { position, intensity, range };
-        let (distant, local) = (Place::Distant(Vec3::NEG_Z), Place::Local(position));
+        let (distant, local) = (LampPosition::Distant(Vec3::NEG_Z), LampPosition::Local(position));
         let all = [
             (distant, sun, 0.0, [1e-3, 5e-6, PAPER]),
             (local, lamp(f32::INFINITY), 0.6, [5e-3, 5e-4, PAPER]),

@@ -7,7 +7,7 @@
 //! at the light to 2 opposite to it, which grows with the angle almost evenly and costs one division
 //! ([`beta`]).
 
-use super::super::shafts::{Place, ViewRays};
+use super::super::shafts::{LampPosition, ViewRays};
 use glam::{DVec2, Vec3};
 
 /// An eye and a light.
@@ -37,10 +37,10 @@ const LEAST_FORWARD: f64 = 1e-7;
 
 impl Geometry {
     /// Of a light as it is seen from an eye; `None` if it is there.
-    pub fn new(eye: Vec3, place: Place) -> Option<Self> {
+    pub fn new(eye: Vec3, place: LampPosition) -> Option<Self> {
         match place {
-            Place::Distant(axis) => Some(Self { eye, axis, reach: f32::INFINITY }),
-            Place::Local(position) => {
+            LampPosition::Distant(axis) => Some(Self { eye, axis, reach: f32::INFINITY }),
+            LampPosition::Local(position) => {
                 let reach = position.distance(eye);
                 (reach > AT_THE_EYE).then(|| Self { eye, axis: (position - eye) / reach, reach })
             }

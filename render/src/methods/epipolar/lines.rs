@@ -41,7 +41,7 @@ mod tests {
     use crate::bvh::TracedScene;
     use crate::gbuffer;
     use crate::method::Frame;
-    use crate::methods::shafts::Place;
+    use crate::methods::shafts::LampPosition;
     use crate::path::proving::floor;
     use crate::scene::{Camera, Material, Scene};
     use deepshade_shaders::Attribute;
@@ -56,8 +56,8 @@ mod tests {
         let gbuffer = gbuffer::render(&scene, &camera, 33, 47, &[Attribute::Depth, Attribute::Valid]);
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 };
         let view = ViewRays::of(&frame);
-        let geometry =
-            Geometry::new(view.eye, Place::Distant(Vec3::new(2.0, 1.0, 1.0).normalize())).expect("a sun");
+        let geometry = Geometry::new(view.eye, LampPosition::Distant(Vec3::new(2.0, 1.0, 1.0).normalize()))
+            .expect("a sun");
         let lines = Lines::new(&view, &geometry);
         let all: Vec<Vec<u32>> = lines.all().map(<[u32]>::to_vec).collect();
         let mut pixels: Vec<u32> = all.concat();

@@ -5,14 +5,14 @@
 //! multiplied by what the integrand took away too much: its errors, too, which are shares of its largest
 //! value.
 
-use super::super::shafts::{Haze, Lit, Place};
+use super::super::shafts::{Haze, IntegrationInputs, LampPosition};
 use super::integrand::Ways;
 
 /// What decides of the view rays of a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Magnified<'a> {
     /// The lamp.
-    pub lit: &'a Lit<'a>,
+    pub lit: &'a IntegrationInputs<'a>,
     /// What scatters its light.
     pub haze: &'a Haze<'a>,
     /// What the integrand counts.
@@ -49,11 +49,11 @@ impl Magnified<'_> {
         let eye = self.lit.rays.eye;
         let point = eye + self.lit.rays.directions[ray] * distance;
         match self.lit.lamp.place {
-            Place::Distant(towards) => {
+            LampPosition::Distant(towards) => {
                 let entry = (point - eye).dot(towards) + self.haze.way_in(point, towards, f32::INFINITY);
                 self.ways.view - self.ways.least - entry
             }
-            Place::Local(position) => {
+            LampPosition::Local(position) => {
                 let reach = position.distance(point);
                 let towards = (position - point) / reach.max(f32::MIN_POSITIVE);
                 reach - self.haze.way_in(point, towards, reach) - self.ways.light

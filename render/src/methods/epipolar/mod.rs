@@ -41,7 +41,7 @@ mod terminations;
 
 use super::Quality;
 use super::ray_march::March;
-use super::shafts::{Integration, Lit};
+use super::shafts::{Integration, IntegrationInputs};
 pub use factors::Factors;
 pub use geometry::{Geometry, angle, beta};
 use glam::Vec3;
@@ -119,7 +119,7 @@ impl Integration for EpipolarParameters {
         self.shadow_size
     }
 
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
         let marched = |ray: usize| march.shifted(ray, self.steps);
         let has_closed_form = self.terms == Terms::Twelve && lit.lamp.is_distant() && lit.lamp.is_even();

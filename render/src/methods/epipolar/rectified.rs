@@ -1,14 +1,14 @@
 //! View rays and light rays of one lamp, in all of its slices, and the way through them that is common to all
 //! that integrate slice by slice.
 
-use super::super::shafts::{DEEP, Haze, Lamp, Lit, Place, Projection};
+use super::super::shafts::{DEEP, Haze, IntegrationInputs, Lamp, LampPosition, Projection};
 use super::exponential::exp;
 use super::factors::Factors;
 use super::geometry::{Geometry, angle};
 use super::integrand::{Integrand, Ways};
 use super::light_rays::{FanSlice, ParallelSlice, SliceOfLight};
 use super::magnified::Magnified;
-use super::slice_rays::{Seen, SliceRay, SliceRays};
+use super::slice_rays::{RectifiedRay, SliceRay, SliceRays};
 use super::slices::Slices;
 use super::spacing::Spacing;
 use glam::Vec3;
@@ -50,7 +50,7 @@ pub struct Slice<'a, L> {
 #[derive(Debug)]
 pub struct Rectified<'a> {
     /// The lamp.
-    pub lit: &'a Lit<'a>,
+    pub lit: &'a IntegrationInputs<'a>,
     /// What scatters its light.
     pub haze: Haze<'a>,
     /// Where it is.
@@ -67,7 +67,12 @@ impl<'a> Rectified<'a> {
     /// `None` where slices do not help: the light is at the eye, or the medium swallows it, being endless, or
     /// is a grid. View rays that cross fewer than `least` light rays are left to others, and so are those on
     /// which errors of the integrand are magnified by more than the exponential of `most_magnified`.
-    pub fn new(lit: &'a Lit<'a>, light_rays: usize, least: f32, most_magnified: f32) -> Option<Self> {
+    pub fn new(
+        lit: &'a IntegrationInputs<'a>,
+        light_rays: usize,
+        least: f32,
+        most_magnified: f32,
+    ) -> Option<Self> {
         let haze = Haze::of(lit.medium)?;
         let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
         let ways = Ways::of(&haze, &geometry);
@@ -75,9 +80,9 @@ impl<'a> Rectified<'a> {
             return None;
         }
         let deep = haze.deep();
-        let seen = |ray: usize| Seen::new(lit.rays, ray, &geometry, deep);
-        let seen: Vec<Seen> = (0..lit.rays.count()).into_par_iter().map(seen).collect();
-        let bounds = Seen::bounds(&seen);
+        let seen = |ray: usize| RectifiedRay::new(lit.rays, ray, &geometry, deep);
+        let seen: Vec<RectifiedRay> = (0..lit.rays.count()).into_par_iter().map(seen).collect();
+        let bounds = RectifiedRay::bounds(&seen);
         if bounds[0] >= bounds[1] {
             return None;
         }
@@ -204,8 +209,8 @@ impl<'a> Rectified<'a> {
         let [near, _] = self.lit.rays.spans[ray];
         let view = self.geometry.direction(self.lit.rays.directions[ray]);
         let per_gamma = match self.lit.lamp.place {
-            Place::Distant(_) => self.haze.phase.evaluate(view.along) / view.aside,
-            Place::Local(_) => 1.0 / (self.geometry.reach * view.aside),
+            LampPosition::Distant(_) => self.haze.phase.evaluate(view.along) / view.aside,
+            LampPosition::Local(_) => 1.0 / (self.geometry.reach * view.aside),
         };
         let before = near - self.ways.view;
         let longer = if before > 0.0 { (self.haze.extinction * before).exp() } else { Vec3::ONE };

@@ -2,7 +2,7 @@
 //! Illumination and Shadows"): for distant lamps whose rays are alike. A sweep over the view rays keeps which
 //! samples of light rays are lit, a bit each; the lit segments of a view ray are read from it.
 
-use super::super::shafts::{Faces, Place};
+use super::super::shafts::{Faces, LampPosition};
 use super::factors::Factors;
 use super::geometry::angle;
 use super::light_rays::{SliceOfLight, Traced};
@@ -38,7 +38,9 @@ impl<const C: usize> SliceIntegration<C, C> for SegmentSweep {
         values: &mut [[f32; C]],
     ) {
         let of = slice.of;
-        let (Some(bounds), Place::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else { return };
+        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else {
+            return;
+        };
         self.order.sort(rays);
         slice.light.trace(self.order.crossed(of.spacing.count), &mut self.traced);
         self.gather();

@@ -33,18 +33,18 @@ pub struct SliceRays {
     /// Where each slice's begin, and the end of all.
     pub starts: Vec<usize>,
     /// Of each view ray.
-    places: Vec<Place>,
+    places: Vec<SliceInterpolation>,
 }
 
 /// A view ray in rectified coordinates.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct RectifiedRay {
     beta: f32,
     /// From which `gamma` to which it is in the medium.
     gamma: [f32; 2],
 }
 
-impl Seen {
+impl RectifiedRay {
     /// One of the view rays, as far as `deep` metres into the medium.
     #[inline]
     pub fn new(view: &ViewRays, ray: usize, geometry: &Geometry, deep: f32) -> Self {
@@ -67,12 +67,12 @@ impl Seen {
 
 /// Where a view ray's two slice rays are, and how far it is from the first slice to the second.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct SliceInterpolation {
     slots: [u32; 2],
     on: f32,
 }
 
-impl Place {
+impl SliceInterpolation {
     /// That of a view ray which is in no slice.
     const NONE: Self = Self { slots: [u32::MAX; 2], on: 0.0 };
 }
@@ -82,26 +82,26 @@ impl SliceRays {
     /// the light, and that are `left_out`.
     pub fn new(
         view: &ViewRays,
-        seen: &[Seen],
+        seen: &[RectifiedRay],
         slices: &Slices,
         (spacing, least): (&Spacing, f32),
         left_out: impl Fn(usize) -> bool + Sync,
     ) -> Self {
         let rectified = |ray: usize| {
-            let Seen { beta, gamma } = seen[ray];
+            let RectifiedRay { beta, gamma } = seen[ray];
             let [from, end] = gamma.map(|gamma| spacing.number(gamma));
             // No number where it is nowhere.
             let crossed = end - from;
             if crossed.is_nan() || crossed < least || beta > OPPOSITE || left_out(ray) {
-                return (Place::NONE, SliceRay::default());
+                return (SliceInterpolation::NONE, SliceRay::default());
             }
             let (before, on) = slices.of(view.at(ray).as_dvec2());
             let slots = [before as u32, slices.after(before) as u32];
-            (Place { slots, on }, SliceRay { beta, from, end })
+            (SliceInterpolation { slots, on }, SliceRay { beta, from, end })
         };
-        let (mut places, rays): (Vec<Place>, Vec<SliceRay>) =
+        let (mut places, rays): (Vec<SliceInterpolation>, Vec<SliceRay>) =
             (0..view.count()).into_par_iter().map(rectified).unzip();
-        let inside = |place: &&mut Place| place.slots[0] != u32::MAX;
+        let inside = |place: &&mut SliceInterpolation| place.slots[0] != u32::MAX;
         let mut starts = vec![0; slices.count() + 1];
         for place in places.iter_mut().filter(inside) {
             place.slots.iter().for_each(|slice| starts[*slice as usize + 1] += 1);
@@ -125,7 +125,7 @@ impl SliceRays {
     /// The value of a view ray, from those of all slice rays; `None` if it is in no slice.
     #[inline]
     pub fn value<const C: usize>(&self, ray: usize, values: &[[f32; C]]) -> Option<[f32; C]> {
-        let Place { slots: [first, second], on } = self.places[ray];
+        let SliceInterpolation { slots: [first, second], on } = self.places[ray];
         let (first, second) = (values.get(first as usize)?, values.get(second as usize)?);
         Some(std::array::from_fn(|colour| first[colour] + (second[colour] - first[colour]) * on))
     }

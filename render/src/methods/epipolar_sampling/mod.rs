@@ -16,7 +16,7 @@
 use super::Quality;
 use super::epipolar::{Geometry, Lines, beta};
 use super::ray_march::March;
-use super::shafts::{Integration, Lit};
+use super::shafts::{Integration, IntegrationInputs};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -61,7 +61,7 @@ impl Integration for EpipolarSamplingParameters {
         self.shadow_size
     }
 
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, LIGHT_STEPS);
         let marched = |ray: usize| march.shifted(ray, self.steps);
         let Some(geometry) = Geometry::new(lit.rays.eye, lit.lamp.place) else {
@@ -86,7 +86,7 @@ impl EpipolarSamplingParameters {
     fn line(
         &self,
         line: &[u32],
-        lit: &Lit<'_>,
+        lit: &IntegrationInputs<'_>,
         geometry: &Geometry,
         marched: impl Fn(usize) -> Vec3,
     ) -> Vec<Vec3> {
@@ -120,7 +120,13 @@ impl EpipolarSamplingParameters {
     }
 
     /// Whether a pixel is marched, `before` being the last that was.
-    fn is_marched(&self, line: &[u32], place: usize, before: Option<usize>, lit: &Lit<'_>) -> bool {
+    fn is_marched(
+        &self,
+        line: &[u32],
+        place: usize,
+        before: Option<usize>,
+        lit: &IntegrationInputs<'_>,
+    ) -> bool {
         let jumps = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|place| lit.rays.spans[line[place] as usize][1]);
             (a - b).abs() > self.jump * a.min(b)

@@ -17,7 +17,7 @@ mod tests;
 
 use super::{Quality, single_scattering};
 use crate::raster::light::shadow_sampler;
-use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
+use crate::screen::{About, MethodStep, PassDispatch, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
@@ -77,7 +77,7 @@ impl Technique for FogMarchParameters {
             ));
             let pass = pass.bind_at(device, resources)?;
             Ok(MethodStep {
-                step: Step { pass, workgroups: to.whole().into() },
+                step: PassDispatch { pass, workgroups: to.whole().into() },
                 writes: vec![output.clone()],
             })
         };

@@ -23,7 +23,7 @@ mod tests;
 
 use super::{Quality, single_scattering};
 use crate::raster::light::shadow_sampler;
-use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
+use crate::screen::{About, MethodStep, PassDispatch, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
@@ -131,7 +131,7 @@ impl Technique for FroxelParameters {
         let integrate = device.pass(Shader::at("methods/froxel/integrate"), &[])?;
         let apply = device.pass(Shader::at("methods/froxel/apply"), &[medium])?;
         let [x, y, _] = gpu::groups(rows, columns, TILE);
-        let scatter = Step { pass: scatter, workgroups: [x, y, slices].into() };
+        let scatter = PassDispatch { pass: scatter, workgroups: [x, y, slices].into() };
         let read = [settings, view, record, valid, position, &sums];
         Ok(vec![
             MethodStep { step: scatter, writes: vec![scattered.clone()] },

@@ -22,7 +22,7 @@ pub mod reference;
 #[cfg(test)]
 mod tests;
 
-use super::{Picture, Quality, images};
+use super::{LightImage, Quality, images};
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
@@ -55,7 +55,7 @@ impl Technique for FxaaParameters {
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let Settings { fxaa, lengths } = self.settings(view);
+        let FxaaUniforms { fxaa, lengths } = self.settings(view);
         vec![bytes_of(&fxaa).to_vec(), bytes_of(&lengths).to_vec()]
     }
 
@@ -77,13 +77,13 @@ impl Technique for FxaaParameters {
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        Ok(images(reference::shade(&Picture::of(inputs.gbuffer)?, &self.settings(view))))
+        Ok(images(reference::shade(&LightImage::of(inputs.gbuffer)?, &self.settings(view))))
     }
 }
 
-/// FxaaParameters of the passes for one frame, as the GPU reads them.
+/// Uniforms of the passes for one frame, as the GPU reads them.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct FxaaUniforms {
     /// The blend.
     pub fxaa: uniforms::Fxaa,
     /// Lengths of the search's steps, pixels.
@@ -117,7 +117,7 @@ impl FxaaParameters {
     }
 
     /// The passes' parameters for a view.
-    pub fn settings(&self, view: &View) -> Settings {
+    pub fn settings(&self, view: &View) -> FxaaUniforms {
         let steps = self.search.iter().take_while(|length| **length > 0.0).count();
         let fxaa = uniforms::Fxaa {
             width: view.width as u32,
@@ -127,6 +127,6 @@ impl FxaaParameters {
             least_contrast: self.least_contrast,
             subpixel: self.subpixel,
         };
-        Settings { fxaa, lengths: self.search }
+        FxaaUniforms { fxaa, lengths: self.search }
     }
 }

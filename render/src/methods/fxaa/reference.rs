@@ -1,20 +1,20 @@
 //! The slow, plain version of `luma.wgsl` and `smooth.wgsl`, kept so close to them that both can be read side
 //! by side.
 
-use super::Settings;
-use crate::methods::Picture;
+use super::FxaaUniforms;
+use crate::methods::LightImage;
 use deepshade_shaders::{Planes, colour};
 use glam::{IVec2, Vec3};
 
 /// Luma, `[1, height, width]`, and the picture with smooth edges, radiance, `[3, height, width]`.
-pub fn shade(picture: &Picture, settings: &Settings) -> [Planes; 2] {
+pub fn shade(picture: &LightImage, settings: &FxaaUniforms) -> [Planes; 2] {
     let luma = luma(picture);
     let image = picture.image(|pixel| smooth_edges(picture, &luma, settings, pixel));
     [luma, image]
 }
 
 /// Luma, `[1, height, width]`: `luma.wgsl`.
-fn luma(picture: &Picture) -> Planes {
+fn luma(picture: &LightImage) -> Planes {
     Planes::from_fn(1, picture.height, picture.width, |_, y, x| {
         let light = picture.light_at(IVec2::new(x as i32, y as i32));
         colour::luminance(light.to_array()).max(0.0).sqrt()
@@ -60,7 +60,7 @@ fn edge_end(lengths: &[f32], difference_at: impl Fn(f32) -> f32, threshold: f32)
     (distance, difference)
 }
 
-fn smooth_edges(picture: &Picture, luma: &Planes, settings: &Settings, pixel: IVec2) -> Vec3 {
+fn smooth_edges(picture: &LightImage, luma: &Planes, settings: &FxaaUniforms, pixel: IVec2) -> Vec3 {
     let fxaa = &settings.fxaa;
     let light = picture.light_at(pixel);
     let at = |x: i32, y: i32| luma_at(luma, pixel, IVec2::new(x, y));

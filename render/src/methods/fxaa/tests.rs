@@ -20,7 +20,7 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-5, worst: 0.5 };
 
 fn smoothed(gbuffer: &GBuffer, parameters: &FxaaParameters) -> Planes {
     let settings = parameters.settings(&view(gbuffer.height(), gbuffer.width(), 1.0));
-    let [.., image] = reference::shade(&Picture::of(gbuffer).expect("a picture"), &settings);
+    let [.., image] = reference::shade(&LightImage::of(gbuffer).expect("a picture"), &settings);
     image
 }
 
@@ -90,7 +90,7 @@ fn a_brighter_picture_gives_the_same_brighter() {
     let parameters = FxaaParameters { least_contrast: 0.0, ..FxaaParameters::of(Quality::High) };
     let image = smoothed(&gbuffer, &parameters);
     let brighter = picture_of(HEIGHT, WIDTH, |at| {
-        let light = Picture::of(&gbuffer).expect("a picture").light_at(at);
+        let light = LightImage::of(&gbuffer).expect("a picture").light_at(at);
         Some(64.0 * light)
     });
     let brighter = smoothed(&brighter, &parameters);

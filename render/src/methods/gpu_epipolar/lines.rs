@@ -107,7 +107,7 @@ impl Lines {
 mod tests {
     use super::*;
     use crate::methods::proving::view;
-    use crate::methods::shafts::Place;
+    use crate::methods::shafts::LampPosition;
     use crate::scene::Camera;
 
     const SIZE: [usize; 2] = [48, 64];
@@ -134,7 +134,7 @@ mod tests {
         let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z);
         let view = View { camera, ..view(SIZE[0], SIZE[1], 1.0) };
         for axis in axes() {
-            let geometry = Geometry::new(Vec3::ZERO, Place::Distant(axis)).expect("a sun");
+            let geometry = Geometry::new(Vec3::ZERO, LampPosition::Distant(axis)).expect("a sun");
             let lines = Lines::new(&geometry, &view);
             // As many as lines through an epipole in the image leave a border at most, and some.
             assert!((40.0..2.0 * (48.0 + 64.0)).contains(&lines.count()), "{axis}: {}", lines.count());

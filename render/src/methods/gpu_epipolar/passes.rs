@@ -6,7 +6,7 @@ use crate::methods::shafts::UNEVEN;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{MethodStep, Resources, Step, Workgroups};
+use crate::screen::{MethodStep, PassDispatch, Resources, Workgroups};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::Shader;
@@ -14,7 +14,7 @@ use deepshade_shaders::wgsl::uniforms::OfLamp;
 use wgpu::{BindingResource, BufferUsages};
 
 /// What lies between the passes; every lamp uses it again.
-struct Room {
+struct EpipolarBuffers {
     /// `[border + 6]` u32.
     lines: wgpu::Buffer,
     /// `[lines, light rays]` f32.
@@ -27,7 +27,7 @@ struct Room {
 struct Binding<'a> {
     to: &'a Resources<'a>,
     world: &'a World,
-    room: Room,
+    room: EpipolarBuffers,
 }
 
 /// The passes bound to a scene and a g-buffer. They write `image`, `[3, height, width]`, which is black as it
@@ -43,7 +43,7 @@ pub fn steps(parameters: GpuEpipolarParameters, to: &Resources<'_>) -> Result<Ve
     let size @ [height, width] = to.size();
     let (lines, rays) = (GpuEpipolarParameters::lines(size), parameters.rays(size));
     let counted = BufferUsages::STORAGE | BufferUsages::INDIRECT | BufferUsages::COPY_SRC;
-    let room = Room {
+    let room = EpipolarBuffers {
         lines: gpu::filled(device, "epipolar.lines", &vec![0; 4 * (2 * (height + width) + 6)], counted)?,
         ends: gpu::empty::<f32>(device, "epipolar.ends", lines * rays)?,
         sums: gpu::empty::<[u32; 2]>(device, "epipolar.sums", LEVELS * lines * rays)?,
@@ -58,7 +58,7 @@ impl Binding<'_> {
         let Self { to, world, room } = self;
         let [settings, view] = to.uniforms else { unreachable!("it has two uniform buffers") };
         let (device, image) = (to.device, to.output);
-        let Room { lines, ends, sums } = room;
+        let EpipolarBuffers { lines, ends, sums } = room;
         let Lights { records, map_views, pictures, .. } = &world.gpu_lights;
         let MediumOnGpu { record, densities, .. } = &world.medium;
         let [height, width] = to.size();
@@ -76,7 +76,7 @@ impl Binding<'_> {
                     resources: &[&[_]],
                     written: &wgpu::Buffer| {
             let pass = pass?.bind_at(device, resources.concat())?;
-            let step = Step { pass, workgroups: workgroups.clone() };
+            let step = PassDispatch { pass, workgroups: workgroups.clone() };
             Ok::<_, GpuError>(MethodStep { step, writes: vec![written.clone()] })
         };
         let seen = [settings, view, record, records, valid, position, lines];

@@ -36,9 +36,9 @@ pub fn shade(
     for light in lit.lights() {
         let place = Lamp::new(scene.scene(), light).place;
         let geometry = Geometry::new(view.camera.position, place);
-        let rays: Vec<Seen> = every_pixel(height, width, |at| {
+        let rays: Vec<PlaneRay> = every_pixel(height, width, |at| {
             let reach = distances[at.y as usize * width + at.x as usize];
-            Seen::new(&lit, view, geometry.as_ref(), at.as_uvec2(), reach)
+            PlaneRay::new(&lit, view, geometry.as_ref(), at.as_uvec2(), reach)
         });
         let seen = rays.iter().filter(|ray| ray.leaves > ray.enters);
         let bounds = seen.fold([f32::MAX, 0.0f32], |[least, largest], ray| {
@@ -66,7 +66,7 @@ pub fn shade(
 }
 
 /// A view ray in rectified coordinates.
-struct Seen {
+struct PlaneRay {
     eye: Vec3,
     direction: Vec3,
     /// Along the line to the lamp, and away from it.
@@ -77,7 +77,7 @@ struct Seen {
     gamma: [f32; 2],
 }
 
-impl Seen {
+impl PlaneRay {
     fn new(lit: &LitMedium<'_>, view: &View, geometry: Option<&Geometry>, at: UVec2, reach: f32) -> Self {
         let eye = view.camera.position;
         let direction = view.camera.direction(at.as_vec2() + 0.5, view.height, view.width);
@@ -131,7 +131,7 @@ impl OneLamp<'_> {
     }
 
     /// What a view ray receives by all light rays that it crosses; `None` if these are too few.
-    fn sum(&self, ray: &Seen, at: UVec2) -> Option<Vec3> {
+    fn sum(&self, ray: &PlaneRay, at: UVec2) -> Option<Vec3> {
         let [from, to] = ray.gamma.map(|gamma| self.number(gamma));
         if ray.leaves <= ray.enters || to - from < self.settings.least as f32 {
             return None;
@@ -159,7 +159,7 @@ impl OneLamp<'_> {
     }
 
     /// How far along a view ray a fractional light ray is.
-    fn distance(&self, ray: &Seen, number: f32) -> f32 {
+    fn distance(&self, ray: &PlaneRay, number: f32) -> f32 {
         let [gamma, _] = self.gamma(number);
         let [along, aside] = ray.in_plane;
         if self.geometry.is_parallel() {
@@ -169,7 +169,7 @@ impl OneLamp<'_> {
     }
 
     /// Whether a light ray of a slice gets as far as a view ray.
-    fn lights(&self, ray: &Seen, outwards: Vec3, number: f32) -> bool {
+    fn lights(&self, ray: &PlaneRay, outwards: Vec3, number: f32) -> bool {
         let [along, aside] = ray.in_plane;
         let direction = self.geometry.axis * along + outwards * aside;
         let point = ray.eye + direction * self.distance(ray, number);
@@ -177,7 +177,7 @@ impl OneLamp<'_> {
     }
 
     /// What a view ray would receive by a light ray if that is lit, over the scattering coefficient.
-    fn integrand(&self, ray: &Seen, number: f32) -> Vec3 {
+    fn integrand(&self, ray: &PlaneRay, number: f32) -> Vec3 {
         let [_, growth] = self.gamma(number);
         let distance = self.distance(ray, number).clamp(ray.enters, ray.leaves);
         let point = ray.eye + ray.direction * distance;

@@ -3,7 +3,7 @@
 
 use super::LpvParameters;
 use super::lit_volume::LitVolumes;
-use super::passes::{self, Filled, Pixel, Shown};
+use super::passes::{self, Filled, MediumLight, Pixel};
 use super::reference;
 use super::shown::Marched;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
@@ -16,7 +16,7 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InMedium {
     parameters: LpvParameters,
-    light: Shown,
+    light: MediumLight,
     pixel: Pixel,
 }
 
@@ -24,7 +24,7 @@ impl InMedium {
     /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have
     /// reflected, shown by the medium: `fog-multiple`.
     pub const fn multiple(parameters: LpvParameters) -> Self {
-        Self { parameters, light: Shown::Multiple, pixel: Pixel { medium: true, surface: true } }
+        Self { parameters, light: MediumLight::Multiple, pixel: Pixel { medium: true, surface: true } }
     }
 
     /// Light that one surface has reflected and that was not scattered yet, shown by the medium:
@@ -35,15 +35,15 @@ impl InMedium {
 
     /// The same, shown by what is said.
     pub const fn indirect_at(parameters: LpvParameters, pixel: Pixel) -> Self {
-        Self { parameters, light: Shown::Reflected { by_surfaces: pixel.surface }, pixel }
+        Self { parameters, light: MediumLight::Reflected { by_surfaces: pixel.surface }, pixel }
     }
 }
 
 impl Technique for InMedium {
     fn about(&self) -> About {
         let effect = match self.light {
-            Shown::Multiple => Effect::FogMultiple,
-            Shown::Reflected { .. } => Effect::FogIndirect,
+            MediumLight::Multiple => Effect::FogMultiple,
+            MediumLight::Reflected { .. } => Effect::FogIndirect,
         };
         let seen = &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
         About::beyond_screen("lpv", effect, seen)

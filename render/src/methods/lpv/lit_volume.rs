@@ -2,12 +2,12 @@
 
 use super::LpvParameters;
 use super::passes::{Filled, Shines, surfel_settings};
-use super::room::EMITTED;
+use super::volume_buffers::EMITTED;
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
 use crate::lpv::injection::{self, sent_by_medium, sent_from, single_scattering, volume};
 use crate::lpv::lobe::irradiance;
-use crate::lpv::propagation::{Field, Light, Shown, Volume};
+use crate::lpv::propagation::{CellFluence, Field, Light, Volume};
 use crate::lpv::scheme::Lookup;
 use crate::methods::phosphor::cells::PlainCells;
 use crate::path::phosphor::Afterglow;
@@ -22,7 +22,7 @@ use std::f32::consts::PI;
 pub struct LitVolume {
     grid: LightGrid,
     lookup: Lookup,
-    shown: Shown,
+    shown: CellFluence,
     /// Whether it is in a coarser one.
     is_nested: bool,
     /// The grid of a finer one that is in it.
@@ -36,7 +36,7 @@ pub struct LitVolumes(pub Vec<LitVolume>);
 const LEAST_SEEN: f32 = 1e-3;
 
 /// What of a scene fills its volumes.
-struct Source<'a> {
+struct VolumeSource<'a> {
     scene: &'a TracedScene,
     patches: Vec<Patch>,
     disks: Vec<Disk>,
@@ -70,7 +70,7 @@ impl LitVolumes {
         let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
         let shines = shines(scene, &patches, filled);
         let cells = cells(scene, grids[grids.len() - 1].cell, filled);
-        let source = Source { scene, patches, disks, shines, cells, view, parameters, filled, reach };
+        let source = VolumeSource { scene, patches, disks, shines, cells, view, parameters, filled, reach };
         let mut levels: Vec<Level> = Vec::new();
         for grid in &grids {
             let level = source.level(*grid, levels.last());
@@ -87,7 +87,7 @@ impl LitVolumes {
     }
 }
 
-impl Source<'_> {
+impl VolumeSource<'_> {
     /// One of the volumes, in a coarser one if there is one.
     fn level(&self, grid: LightGrid, outside: Option<&Level>) -> Level {
         let (scene, scheme) = (self.scene.scene(), self.parameters.scheme);

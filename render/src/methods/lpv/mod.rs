@@ -46,11 +46,11 @@ pub mod in_medium;
 mod lit_volume;
 pub mod passes;
 pub mod reference;
-mod room;
 mod shining;
 pub mod shown;
 #[cfg(test)]
 mod tests;
+mod volume_buffers;
 
 use super::Quality;
 use crate::lpv::{LightGrid, Scheme};

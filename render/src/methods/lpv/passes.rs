@@ -2,16 +2,16 @@
 //! lit by it.
 
 use super::LpvParameters;
-use super::room::{self, Nesting, Room};
 use super::shining::Shining;
 use super::shown::VolumeOnGpu;
+use super::volume_buffers::{self, Nesting, VolumeBuffers};
 use crate::lpv::propagation::Kinds;
 use crate::raster::World;
 use crate::scene::{Bounds, Scene};
 use crate::screen::{Device, MethodStep, Resources, View, Workgroups};
 use crate::surfels::cloud::{self, SURFEL_GROUPS};
 use crate::surfels::light;
-use crate::surfels::{Cloud, Lit};
+use crate::surfels::{Cloud, SurfelLight};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
@@ -35,7 +35,7 @@ pub enum Filled {
     /// Nothing; there is no light but what surfaces kept.
     Kept,
     /// The scene's medium; of light, what is said.
-    Medium(Shown),
+    Medium(MediumLight),
 }
 
 /// What of a scene shines by itself.
@@ -51,7 +51,7 @@ pub struct Shines {
 
 /// What of the light in a medium is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum MediumLight {
     /// Light that one surface has reflected and that met no medium yet, by the medium, or also by surfaces.
     Reflected {
         /// Whether by surfaces, too.
@@ -66,11 +66,13 @@ impl Filled {
     /// The kinds of light that are kept apart for it.
     pub const fn kinds(self) -> Kinds {
         match self {
-            Self::Medium(Shown::Multiple) => Kinds { unscattered: 2, scattered: true, is_steady: false },
-            Self::Medium(Shown::Reflected { by_surfaces: false }) => {
+            Self::Medium(MediumLight::Multiple) => {
+                Kinds { unscattered: 2, scattered: true, is_steady: false }
+            }
+            Self::Medium(MediumLight::Reflected { by_surfaces: false }) => {
                 Kinds { unscattered: 1, scattered: false, is_steady: true }
             }
-            Self::Clear | Self::Kept | Self::Medium(Shown::Reflected { by_surfaces: true }) => {
+            Self::Clear | Self::Kept | Self::Medium(MediumLight::Reflected { by_surfaces: true }) => {
                 Kinds { unscattered: 1, scattered: false, is_steady: false }
             }
         }
@@ -95,11 +97,11 @@ impl Filled {
     }
 
     /// What surfels send into it.
-    pub const fn lit(self) -> Lit {
+    pub const fn lit(self) -> SurfelLight {
         match self {
-            Self::Clear => Lit::Reflected,
-            Self::Kept => Lit::Kept,
-            Self::Medium(_) => Lit::Dimmed { is_grey: false },
+            Self::Clear => SurfelLight::Reflected,
+            Self::Kept => SurfelLight::Kept,
+            Self::Medium(_) => SurfelLight::Dimmed { is_grey: false },
         }
     }
 }
@@ -145,13 +147,13 @@ pub fn volume_steps(
         let record = match outside {
             None => gpu::uniform(device, "lpv.grid", &grid.record())?,
             Some(outside) => {
-                let (record, step) = room::nest_step(device, &outside.light.record, frame.view)?;
+                let (record, step) = volume_buffers::nest_step(device, &outside.light.record, frame.view)?;
                 steps.push(step);
                 record
             }
         };
         let nesting = Nesting { is_nested: number > 0, has_finer: number + 1 < grids.len() };
-        let room = Room::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
+        let room = VolumeBuffers::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
         let level = level_steps(device, frame, &surfels, room, outside, (parameters, filled))?;
         steps.extend(level.1);
         levels.push(level.0);
@@ -184,7 +186,7 @@ fn level_steps(
     device: &Device,
     frame: Frame<'_>,
     surfels: &Surfels,
-    room: Room,
+    room: VolumeBuffers,
     outside: Option<&Level>,
     (parameters, filled): (LpvParameters, Filled),
 ) -> Result<(Level, Vec<MethodStep>), GpuError> {
@@ -229,10 +231,10 @@ fn injection(
     device: &Device,
     Frame { view, .. }: Frame<'_>,
     surfels: &Surfels,
-    room: &Room,
+    room: &VolumeBuffers,
 ) -> Result<Vec<MethodStep>, GpuError> {
     let Surfels { cloud, sent, .. } = surfels;
-    let Room { record, sums, cubes, links, groups, .. } = room;
+    let VolumeBuffers { record, sums, cubes, links, groups, .. } = room;
     let read = [record, view, &cloud.totals, &cloud.surfels, sent];
     let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
     let written = [(5, sums), (6, cubes)];
@@ -250,7 +252,7 @@ fn emission_steps(
     device: &Device,
     Frame { world, view, .. }: Frame<'_>,
     surfels: &Surfels,
-    room: &Room,
+    room: &VolumeBuffers,
     (outside, iterations): (Option<&VolumeOnGpu>, usize),
 ) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
     let Surfels { cloud, shining, .. } = surfels;
@@ -276,7 +278,7 @@ fn emission_steps(
 }
 
 /// Sums of the frame before are forgotten.
-fn clear_step(device: &Device, room: &Room) -> Result<MethodStep, GpuError> {
+fn clear_step(device: &Device, room: &VolumeBuffers) -> Result<MethodStep, GpuError> {
     let clear = device.pass(Shader::at("methods/lpv/clear"), &[])?;
     MethodStep::bind(device, &clear, room.words(), &[], &[&room.sums, &room.cubes])
 }
@@ -300,7 +302,7 @@ struct Surfels {
     cloud: Cloud,
     sent: wgpu::Buffer,
     settings: wgpu::Buffer,
-    lit: Lit,
+    lit: SurfelLight,
     shining: Shining,
 }
 

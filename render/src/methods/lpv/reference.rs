@@ -18,11 +18,15 @@ const LEAST: f32 = 1e-4;
 const POINTS: u32 = 16;
 
 /// Place, normal and diffuse colour of a surface, world space.
-type Seen = [Vec3; 3];
+type SurfaceAttributes = [Vec3; 3];
 
 /// Place, normal and, if it is asked for, diffuse colour of the surface of each pixel, world space; none
 /// where none is seen.
-fn seen(gbuffer: &GBuffer, view: &View, colour: bool) -> Result<Vec<Option<Seen>>, MissingAttribute> {
+fn seen(
+    gbuffer: &GBuffer,
+    view: &View,
+    colour: bool,
+) -> Result<Vec<Option<SurfaceAttributes>>, MissingAttribute> {
     let of = |attribute| gbuffer.select(&[attribute]);
     let (position, normal, valid) = (of(Attribute::Position)?, of(Attribute::Normal)?, of(Attribute::Valid)?);
     let diffuse = if colour { Some(of(Attribute::Diffuse)?) } else { None };
@@ -60,7 +64,7 @@ pub fn lit_image(
 /// If the g-buffer lacks an attribute.
 pub fn lit(gbuffer: &GBuffer, volumes: &LitVolumes, view: &View) -> Result<Planes, MissingAttribute> {
     let seen = seen(gbuffer, view, false)?;
-    let light = |surface: &Option<Seen>| {
+    let light = |surface: &Option<SurfaceAttributes>| {
         surface.map_or(Vec3::ZERO, |[point, normal, _]| volumes.irradiance(point, normal) / PI)
     };
     let pixels: Vec<Vec3> = seen.iter().map(light).collect();
@@ -91,7 +95,12 @@ pub fn shade(
 }
 
 /// What a surface sends to the eye through the medium.
-fn lit_through(volumes: &LitVolumes, medium: &Medium, [point, normal, diffuse]: Seen, view: &View) -> Vec3 {
+fn lit_through(
+    volumes: &LitVolumes,
+    medium: &Medium,
+    [point, normal, diffuse]: SurfaceAttributes,
+    view: &View,
+) -> Vec3 {
     let way = point - view.camera.position;
     let passed = medium.passed_share(view.camera.position, way.normalize(), way.length(), POINTS);
     passed * diffuse / PI * volumes.irradiance(point, normal)
@@ -109,14 +118,15 @@ struct Marched {
 
 impl Marched {
     fn new(
-        seen: &[Option<Seen>],
+        seen: &[Option<SurfaceAttributes>],
         volumes: &LitVolumes,
         medium: &Medium,
         LpvParameters { steps, scale, .. }: LpvParameters,
         view: &View,
     ) -> Self {
         let eye = view.camera.position;
-        let distance = |surface: &Option<Seen>| surface.map_or(1e30, |[point, ..]| point.distance(eye));
+        let distance =
+            |surface: &Option<SurfaceAttributes>| surface.map_or(1e30, |[point, ..]| point.distance(eye));
         let distances: Vec<f32> = seen.iter().map(distance).collect();
         let [rows, columns] = [view.height, view.width].map(|edge| edge.div_ceil(scale));
         let scattered = every_pixel(rows, columns, |small| {

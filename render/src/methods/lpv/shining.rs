@@ -2,12 +2,12 @@
 //! kept.
 
 use super::passes::{Filled, Shines};
-use super::room::Room;
+use super::volume_buffers::VolumeBuffers;
 use crate::methods::phosphor::cells::Cells;
 use crate::raster::World;
-use crate::screen::{Device, MethodStep, Step, Workgroups};
+use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
 use crate::surfels::cloud::SURFEL_GROUPS;
-use crate::surfels::{Cloud, Lit, light};
+use crate::surfels::{Cloud, SurfelLight, light};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 
@@ -61,7 +61,7 @@ impl Shining {
     ) -> Result<Vec<MethodStep>, GpuError> {
         let mut steps = Vec::new();
         if let Some(kept) = &self.kept {
-            steps.extend(light::steps(device, world, Lit::Kept, cloud, [view, kept])?);
+            steps.extend(light::steps(device, world, SurfelLight::Kept, cloud, [view, kept])?);
         }
         if let Some(cells) = &self.cells {
             for pose in world.poses() {
@@ -80,7 +80,7 @@ impl Shining {
         device: &Device,
         world: &World,
         (cloud, view): (&Cloud, &wgpu::Buffer),
-        room: &Room,
+        room: &VolumeBuffers,
     ) -> Result<Vec<MethodStep>, GpuError> {
         let gives_back = [light::kept_unit(world)];
         let starts = Some((7, &cloud.starts));
@@ -104,12 +104,17 @@ impl Shining {
 }
 
 /// The pass that adds what a medium gives back.
-fn medium_step(device: &Device, world: &World, cells: &Cells, room: &Room) -> Result<MethodStep, GpuError> {
+fn medium_step(
+    device: &Device,
+    world: &World,
+    cells: &Cells,
+    room: &VolumeBuffers,
+) -> Result<MethodStep, GpuError> {
     let pass = device.pass(Shader::at("methods/lpv/shine_medium"), &Cells::constants(world))?;
     let (paints, medium) = (&world.glow.paints, &world.medium.record);
     let buffers = [&room.record, paints, &cells.record, medium, &cells.states, &room.sums];
     let mut resources: Vec<_> = buffers.map(|buffer| buffer.as_entire_binding()).into();
     resources.push(wgpu::BindingResource::TextureView(&world.medium.densities));
-    let step = Step { pass: pass.bind(device, &resources)?, workgroups: room.groups.clone() };
+    let step = PassDispatch { pass: pass.bind(device, &resources)?, workgroups: room.groups.clone() };
     Ok(MethodStep { step, writes: vec![room.sums.clone()] })
 }

@@ -1,11 +1,11 @@
 //! What a volume shows of its light: surfaces lit by it, and the medium in front of pixels.
 
 use super::passes::Pixel;
-use super::room::scattered;
+use super::volume_buffers::scattered;
 use crate::lpv::Scheme;
 use crate::lpv::propagation::Kinds;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{Device, MethodStep, Resources, Step};
+use crate::screen::{Device, MethodStep, PassDispatch, Resources};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, TILE};
@@ -160,5 +160,5 @@ fn step<'a>(
     let densities = (densities, wgpu::BindingResource::TextureView(&medium.densities));
     let pass = pass.bind_at(device, buffers.chain([densities]))?;
     let workgroups = gpu::groups(rows, columns, TILE).into();
-    Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![written.clone()] })
+    Ok(MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![written.clone()] })
 }

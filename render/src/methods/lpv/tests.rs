@@ -7,7 +7,7 @@ mod room;
 mod scales;
 
 use super::in_medium::InMedium;
-use super::passes::{Filled, Pixel, Shown};
+use super::passes::{Filled, MediumLight, Pixel};
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
@@ -22,7 +22,7 @@ use crate::method::{Frame, Method, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::scene::{Camera, Density, Medium, Scene};
-use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, Inputs, MethodPasses, PlainInputs, ScreenMethod};
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Vec3, Vec4};
@@ -37,14 +37,14 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.02 };
 /// Light in a medium is fainter.
 const OF_MEDIUM: Tolerance = Tolerance { usual: 2e-4, worst: 0.01 };
 
-type Seen = (TracedScene, View, GBuffer);
+type ViewedScene = (TracedScene, View, GBuffer);
 
 fn gpu() -> Gpu {
     Gpu::new().expect("an adapter; lavapipe will do")
 }
 
 /// The same frame with all that the method reads.
-fn with_colours((scene, view, _): Seen) -> Seen {
+fn with_colours((scene, view, _): ViewedScene) -> ViewedScene {
     let attributes = InMedium::multiple(FEW).about().attributes;
     let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, attributes);
     (scene, view, gbuffer)
@@ -68,10 +68,15 @@ fn a_medium_is_lit_as_the_plain_version_has_it() {
 }
 
 /// A plan of such light in a medium that has run twice, and its image, which is the same both times.
-fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters: LpvParameters) -> Plan {
+fn run_twice(
+    gpu: &Gpu,
+    (scene, view, gbuffer): &ViewedScene,
+    light: MediumLight,
+    parameters: LpvParameters,
+) -> MethodPasses {
     let method: ScreenMethod = match light {
-        Shown::Multiple => ScreenMethod::new(gpu, InMedium::multiple(parameters)),
-        Shown::Reflected { by_surfaces } => {
+        MediumLight::Multiple => ScreenMethod::new(gpu, InMedium::multiple(parameters)),
+        MediumLight::Reflected { by_surfaces } => {
             let pixel = Pixel { medium: true, surface: by_surfaces };
             ScreenMethod::new(gpu, InMedium::indirect_at(parameters, pixel))
         }
@@ -79,18 +84,18 @@ fn run_twice(gpu: &Gpu, (scene, view, gbuffer): &Seen, light: Shown, parameters:
     let there = GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes");
     let world = screen::world(gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
-    let plan = Plan::new(&method, &inputs, view).expect("room");
+    let passes = MethodPasses::new(&method, &inputs, view).expect("room");
     let image = || -> Vec<f32> {
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
+        gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image")
     };
     assert_eq!(image(), image(), "nothing is kept from frame to frame");
-    plan
+    passes
 }
 
 /// What a pass of a plan has written last.
-fn written<T: bytemuck::Pod>(gpu: &Gpu, plan: &Plan, label: &str) -> Vec<T> {
-    let step = plan.steps().iter().rfind(|step| step.step.pass.is_of(label)).expect("a pass");
+fn written<T: bytemuck::Pod>(gpu: &Gpu, passes: &MethodPasses, label: &str) -> Vec<T> {
+    let step = passes.steps().iter().rfind(|step| step.step.pass.is_of(label)).expect("a pass");
     gpu::read(&gpu.device, &gpu.queue, step.writes.last().expect("a buffer")).expect("its contents")
 }
 
@@ -113,8 +118,8 @@ fn kept_of(state: &[[f32; 4]], (kinds, kind): (Kinds, usize), lobes: Lobes, cell
 }
 
 /// Light of all three colours that surfels have put into each cell, watts.
-fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
-    let inject = plan.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
+fn sent(gpu: &Gpu, passes: &MethodPasses, grid: &LightGrid) -> Vec<Light> {
+    let inject = passes.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
     let sums = inject.and_then(|step| step.writes.first()).expect("light is injected");
     let sums: Vec<[[[u32; 2]; 4]; 3]> = gpu::read(&gpu.device, &gpu.queue, sums).expect("sums");
     // 64 bits of which 40 are behind the point, over the area of a cell's face.
@@ -127,7 +132,7 @@ fn sent(gpu: &Gpu, plan: &Plan, grid: &LightGrid) -> Vec<Light> {
 
 /// How far what the passes show of a frame is from what the plain version makes of the same start, over the
 /// grid's maximum.
-fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: LpvParameters) -> f32 {
+fn furthest_off(gpu: &Gpu, frame: &ViewedScene, light: MediumLight, parameters: LpvParameters) -> f32 {
     let (scene, scheme) = (frame.0.scene(), parameters.scheme);
     let grid = LightGrid::around(scene.bounds(), parameters.cells);
     let cells = grid.cells();
@@ -169,7 +174,7 @@ fn furthest_off(gpu: &Gpu, frame: &Seen, light: Shown, parameters: LpvParameters
 fn each_cell_has_what_the_plain_version_makes_of_the_same_start() {
     let gpu = gpu();
     for frame in foggy().into_iter().map(with_colours) {
-        for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
+        for light in [MediumLight::Multiple, MediumLight::Reflected { by_surfaces: false }] {
             let off = furthest_off(&gpu, &frame, light, FEW);
             // 1.01e-5 on an H100, which fuses products and sums.
             assert!(off < 2e-5, "{light:?}: {off}");
@@ -182,7 +187,7 @@ fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
     let (gpu, frame) = (gpu(), with_colours(foggy().remove(1)));
     let exponential = Scheme { factors: Factors::Exponential, ..Scheme::OURS };
     for scheme in [exponential, THREE_BANDS, Scheme::PAPER] {
-        for light in [Shown::Multiple, Shown::Reflected { by_surfaces: false }] {
+        for light in [MediumLight::Multiple, MediumLight::Reflected { by_surfaces: false }] {
             let off = furthest_off(&gpu, &frame, light, LpvParameters { scheme, ..FEW });
             // A processor's exponential is not quite a GPU's.
             assert!(off < 2e-5, "{scheme:?}, {light:?}: {off}");
@@ -210,7 +215,7 @@ fn surfaces_lit_by_the_cell_that_they_are_in_are_as_the_plain_version_has_it() {
 }
 
 /// A frame in another medium, from another place.
-fn changed((scene, view, _): &Seen, medium: Medium, camera: Camera) -> Seen {
+fn changed((scene, view, _): &ViewedScene, medium: Medium, camera: Camera) -> ViewedScene {
     let scene = Scene { medium: Some(medium.into()), ..scene.scene().clone() };
     let scene = TracedScene::new(scene).expect("triangles");
     let view = View { camera, ..*view };

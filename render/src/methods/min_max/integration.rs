@@ -3,7 +3,7 @@
 use super::super::epipolar::{
     Factors, SAMPLES, Slice, SliceIntegration, SliceOfLight, SliceRay, Traced, angle,
 };
-use super::super::shafts::{Faces, Place};
+use super::super::shafts::{Faces, LampPosition};
 use super::mipmap::{Mipmap, Node};
 
 /// Samples of a light ray's depth.
@@ -62,7 +62,9 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
         values: &mut [[f32; C]],
     ) {
         let of = slice.of;
-        let (Some(bounds), Place::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else { return };
+        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else {
+            return;
+        };
         slice.light.trace(crossed(rays, of.spacing.count), &mut self.traced);
         self.map.rebuild(whole_samples(&self.traced));
         for (ray, value) in rays.iter().zip(values) {

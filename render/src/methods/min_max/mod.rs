@@ -16,7 +16,7 @@ mod mipmap;
 use super::Quality;
 use super::epipolar::{REPRESENTED, Rectified, Terms};
 use super::ray_march::March;
-use super::shafts::{Integration, Lit};
+use super::shafts::{Integration, IntegrationInputs};
 use glam::Vec3;
 use integration::{ClosedForm, PrefixSums};
 
@@ -58,7 +58,7 @@ impl Integration for MinMaxParameters {
         self.shadow_size
     }
 
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, 0);
         let marched = |ray: usize| march.shifted(ray, self.steps);
         let has_closed_form = lit.lamp.is_distant() && lit.lamp.is_even();

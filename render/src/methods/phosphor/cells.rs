@@ -7,7 +7,7 @@ use crate::path::phosphor::in_medium::seen_through;
 use crate::raster::World;
 use crate::raster::light::shadow_sampler;
 use crate::scene::{Bounds, Density, Glow, Medium, Scene};
-use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
+use crate::screen::{Device, GpuGBuffer, MethodStep, PassDispatch};
 use deepshade_glow::paint::{MOST_STATES, Paint};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
@@ -152,7 +152,7 @@ impl Cells {
         resources.push(wgpu::BindingResource::TextureView(&world.medium.densities));
         let pass = pass.bind(device, &resources)?;
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![image.clone()] })
+        Ok(MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![image.clone()] })
     }
 }
 

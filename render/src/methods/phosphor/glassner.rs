@@ -20,7 +20,7 @@ use crate::path::phosphor::Afterglow;
 use crate::scene::Glow;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
-use deepshade_glow::paint::{Lit, PaintState};
+use deepshade_glow::paint::{LightInterval, PaintState};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::random::random;
 use deepshade_shaders::wgsl::uniforms::GlowSamples;
@@ -109,7 +109,12 @@ fn shaded(scene: &TracedScene, view: &View, parameters: GlassnerParameters) -> V
 }
 
 /// The excited share of a state without saturation, by moments that random numbers draw.
-fn share(state: &PaintState, before: f32, past: &[Lit], numbers: impl ExactSizeIterator<Item = f32>) -> f32 {
+fn share(
+    state: &PaintState,
+    before: f32,
+    past: &[LightInterval],
+    numbers: impl ExactSizeIterator<Item = f32>,
+) -> f32 {
     if state.decay <= 0.0 {
         return 0.0;
     }
@@ -124,7 +129,7 @@ fn share(state: &PaintState, before: f32, past: &[Lit], numbers: impl ExactSizeI
 }
 
 /// Irradiance so many seconds ago.
-fn light_at(past: &[Lit], ago: f32) -> Vec3 {
+fn light_at(past: &[LightInterval], ago: f32) -> Vec3 {
     let mut left = ago;
     for lit in past.iter().rev() {
         if left < lit.seconds {

@@ -5,7 +5,7 @@ use crate::raster::World;
 use crate::raster::glow::Keeping;
 use crate::raster::groups;
 use crate::raster::light::shadow_sampler;
-use crate::screen::{Device, GpuGBuffer, MethodStep, Step};
+use crate::screen::{Device, GpuGBuffer, MethodStep, PassDispatch};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::uniforms::{GlowLevel, GlowStretch};
@@ -86,7 +86,7 @@ impl Finding {
                 [&uniform, &self.tiles, posed, &self.boxes].map(|buffer| buffer.as_entire_binding());
             let bound = if height == 0 { &leaves } else { &parents }.bind(device, &buffers)?;
             let workgroups = groups(level.nodes as usize).into();
-            steps.push(MethodStep { step: Step { pass: bound, workgroups }, writes: Vec::new() });
+            steps.push(MethodStep { step: PassDispatch { pass: bound, workgroups }, writes: Vec::new() });
         }
         steps.push(self.find(device, world, gbuffer, view)?);
         Ok(steps)
@@ -111,7 +111,7 @@ impl Finding {
         let buffers = [view, &levels, &self.tiles, posed, &self.boxes, valid, position, object, &self.found];
         let pass = pass.bind(device, &buffers.map(|buffer| buffer.as_entire_binding()))?;
         let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
+        Ok(MethodStep { step: PassDispatch { pass, workgroups }, writes: Vec::new() })
     }
 
     /// What keeps light, with its states, which move on by so many steps of Euler's scheme, or exactly.
@@ -177,7 +177,7 @@ impl Finding {
             let stretch = [(14, stretch.as_entire_binding())];
             let pass = pass.bind_at(device, resources.iter().cloned().chain(stretch))?;
             let workgroups = gpu::groups(gbuffer.height(), gbuffer.width(), TILE).into();
-            Ok(MethodStep { step: Step { pass, workgroups }, writes: Vec::new() })
+            Ok(MethodStep { step: PassDispatch { pass, workgroups }, writes: Vec::new() })
         };
         let firsts = (0..samples).step_by(at_once as usize);
         let mut steps = firsts.map(step).collect::<Result<Vec<_>, GpuError>>()?;

@@ -14,7 +14,7 @@ use crate::scene::glow::tests::glow;
 use crate::scene::glow::{Glow, Start};
 use crate::scene::medium::Weather;
 use crate::scene::{Bounds, Camera, Density, Light, Look, Material, MaterialId, Medium, Mesh, Scene};
-use crate::screen::{self, GpuGBuffer, Inputs, Plan, ScreenMethod};
+use crate::screen::{self, GpuGBuffer, Inputs, MethodPasses, ScreenMethod};
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{GBuffer, Planes};
 use glam::{Vec2, Vec3};
@@ -82,8 +82,8 @@ fn shaded(method: &impl Method, (scene, view, gbuffer): &(TracedScene, View, GBu
 }
 
 /// The shares that the step of a plan, its last pass but one, has written.
-fn states(gpu: &Gpu, plan: &Plan) -> Vec<f32> {
-    let step = plan.steps().iter().rev().nth(1).expect("passes");
+fn states(gpu: &Gpu, passes: &MethodPasses) -> Vec<f32> {
+    let step = passes.steps().iter().rev().nth(1).expect("passes");
     let mut states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
     // What rounding left is behind them.
     states.truncate(states.len() / 2);
@@ -97,10 +97,10 @@ fn both_states((scene, view, gbuffer): &(TracedScene, View, GBuffer), texels: u3
     let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
-    let plan = Plan::new(&method, &inputs, view).expect("a plan");
-    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
+    let passes = MethodPasses::new(&method, &inputs, view).expect("a plan");
+    gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
     let plain = reference::shade(scene, view, RateEquationParameters::exact(texels)).swap_remove(0);
-    [states(&gpu, &plan), plain]
+    [states(&gpu, &passes), plain]
 }
 
 /// Whether all values are as near to others; what is no number is not.
@@ -308,7 +308,7 @@ fn moments_tend_to_the_rate_equation_where_light_is_weak() {
 struct Loop {
     gpu: Gpu,
     world: crate::raster::World,
-    plan: Plan,
+    passes: MethodPasses,
     view: View,
 }
 
@@ -324,13 +324,13 @@ impl Loop {
         let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
         let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
         let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
-        let plan = Plan::new(&method, &inputs, view).expect("a plan");
-        Self { gpu, world, plan, view: *view }
+        let passes = MethodPasses::new(&method, &inputs, view).expect("a plan");
+        Self { gpu, world, passes, view: *view }
     }
 
     /// The states after the frame of a moment.
     fn states(&mut self, moment: f32) -> Vec<f32> {
-        let Self { gpu, world, plan, view } = self;
+        let Self { gpu, world, passes, view } = self;
         world.set(&gpu.queue, moment, 0.0, &view.camera, view.width as f32 / view.height as f32);
         let pose = |encoder: &mut wgpu::CommandEncoder| {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -339,10 +339,10 @@ impl Loop {
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
             pose(encoder);
             world.encode_shadows(encoder, None);
-            plan.encode(encoder);
+            passes.encode(encoder);
         })
         .expect("valid passes");
-        states(gpu, plan)
+        states(gpu, passes)
     }
 }
 

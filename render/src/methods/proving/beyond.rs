@@ -9,7 +9,7 @@ use crate::methods::lobe;
 use crate::scene::medium::Weather;
 use crate::scene::procedural::Family;
 use crate::scene::{Bounds, Camera, Density, Light, Material, Medium, Mesh, Scene};
-use crate::screen::{self, GpuGBuffer, Inputs, PlainInputs, Plan, ScreenMethod, View};
+use crate::screen::{self, GpuGBuffer, Inputs, MethodPasses, PlainInputs, ScreenMethod, View};
 use crate::surfels::Surfel;
 use crate::surfels::reference::Disk;
 use deepshade_shaders::gpu::{self, Gpu};
@@ -139,15 +139,15 @@ pub fn shaded_by_surfels(
     let there = GpuGBuffer::upload(device, gbuffer, method.attributes()).expect("attributes");
     let world = screen::world(method.gpu(), scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
-    let plan = Plan::new(method, &inputs, view).expect("room");
+    let passes = MethodPasses::new(method, &inputs, view).expect("room");
     let shaded = || -> Vec<f32> {
-        gpu::submit(device, queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read(device, queue, plan.output()).expect("an image")
+        gpu::submit(device, queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
+        gpu::read(device, queue, passes.output()).expect("an image")
     };
     let image = shaded();
     assert_eq!(image, shaded(), "the same frame twice");
     let written = |label: &str| {
-        let step = plan.steps().iter().find(|step| step.step.pass.is_of(label)).expect("a pass");
+        let step = passes.steps().iter().find(|step| step.step.pass.is_of(label)).expect("a pass");
         step.writes.last().expect("a buffer")
     };
     let totals: Vec<u32> = gpu::read(device, queue, written("surfels.total")).expect("totals");

@@ -4,7 +4,9 @@
 //! and what is left of light a geometric sequence in each: no exponential a step. Within a step that is lit
 //! it is integrated exactly. Steps are taken many at a time in loops that the compiler puts into vectors.
 
-use super::super::shafts::{Faces, Haze, Lit, Parallel, Projection, ShadowMap, TOGETHER, mean_decay};
+use super::super::shafts::{
+    Faces, Haze, IntegrationInputs, Parallel, Projection, ShadowMap, TOGETHER, mean_decay,
+};
 use super::Ray;
 use glam::Vec3;
 use pulp::{Arch, Simd, WithSimd};
@@ -13,7 +15,7 @@ use std::ops::Range;
 /// A lamp and what its light passes.
 #[derive(Debug)]
 pub(super) struct Distant<'a> {
-    lit: Lit<'a>,
+    lit: IntegrationInputs<'a>,
     haze: Haze<'a>,
     towards: Vec3,
 }
@@ -43,7 +45,7 @@ struct Block<const C: usize> {
 }
 
 impl<'a> Steps<'a> {
-    fn new(lit: &Lit<'a>, parallel: &Parallel, ray: Ray) -> Self {
+    fn new(lit: &IntegrationInputs<'a>, parallel: &Parallel, ray: Ray) -> Self {
         let Ray { direction, span: [near, far], count, jitter } = ray;
         let eye = lit.rays.eye;
         let length = (far - near) / count as f32;
@@ -83,13 +85,13 @@ impl<'a> Steps<'a> {
 }
 
 impl<'a> Distant<'a> {
-    pub(super) const fn new(lit: &Lit<'a>, haze: Haze<'a>, towards: Vec3) -> Self {
+    pub(super) const fn new(lit: &IntegrationInputs<'a>, haze: Haze<'a>, towards: Vec3) -> Self {
         Self { lit: *lit, haze, towards }
     }
 
     /// Radiance of a ray; black in a medium without an end, where no light of a distant lamp is left.
     pub(super) fn radiance(&self, ray: Ray) -> Vec3 {
-        let Lit { map, lamp, .. } = self.lit;
+        let IntegrationInputs { map, lamp, .. } = self.lit;
         let (Some(bounds), Projection::Parallel(parallel)) = (self.haze.bounds(), &map.projection) else {
             return Vec3::ZERO;
         };

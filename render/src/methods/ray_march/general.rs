@@ -1,6 +1,6 @@
 //! Steps towards any lamp through any medium: one look into the shadow map and one exponential each.
 
-use super::super::shafts::{Haze, Lit, Place};
+use super::super::shafts::{Haze, IntegrationInputs, LampPosition};
 use super::Ray;
 use crate::path::medium::HenyeyGreenstein;
 use glam::Vec3;
@@ -15,7 +15,7 @@ const WIDEST: f32 = std::f32::consts::FRAC_PI_2 - 1e-4;
 /// A lamp and what its light passes.
 #[derive(Debug)]
 pub(super) struct General<'a> {
-    lit: Lit<'a>,
+    lit: IntegrationInputs<'a>,
     /// The medium if it is no grid.
     haze: Option<Haze<'a>>,
     phase: HenyeyGreenstein,
@@ -44,7 +44,7 @@ impl Cut {
 }
 
 impl<'a> General<'a> {
-    pub(super) fn new(lit: &Lit<'a>, haze: Option<Haze<'a>>, light_steps: u32) -> Self {
+    pub(super) fn new(lit: &IntegrationInputs<'a>, haze: Option<Haze<'a>>, light_steps: u32) -> Self {
         Self { lit: *lit, haze, phase: HenyeyGreenstein::new(lit.medium.anisotropy), light_steps }
     }
 
@@ -74,8 +74,8 @@ impl<'a> General<'a> {
 
     fn cut(&self, direction: Vec3, [near, far]: [f32; 2], count: u32) -> Cut {
         match self.lit.lamp.place {
-            Place::Distant(_) => Cut::Distances([near, (far - near) / count as f32]),
-            Place::Local(position) => {
+            LampPosition::Distant(_) => Cut::Distances([near, (far - near) / count as f32]),
+            LampPosition::Local(position) => {
                 let offset = position - self.lit.rays.eye;
                 let nearest = offset.dot(direction);
                 let least = NEAREST[0].max(NEAREST[1] * offset.length());
@@ -93,10 +93,10 @@ impl<'a> General<'a> {
         let lamp = self.lit.lamp;
         let power = lamp.power * if lamp.is_even() { Vec3::ONE } else { lamp.tint(point) };
         match lamp.place {
-            Place::Distant(towards) => {
+            LampPosition::Distant(towards) => {
                 (power, towards.dot(direction), self.way_in(point, towards, f32::INFINITY))
             }
-            Place::Local(position) => {
+            LampPosition::Local(position) => {
                 let offset = position - point;
                 let distance = offset.length().max(NEAREST[0]);
                 let towards = offset.normalize_or_zero();

@@ -15,7 +15,7 @@ mod distant;
 mod general;
 
 use super::Quality;
-use super::shafts::{Haze, Integration, Lit, Place};
+use super::shafts::{Haze, Integration, IntegrationInputs, LampPosition};
 use crate::sampler::hash;
 use distant::Distant;
 use general::General;
@@ -59,7 +59,7 @@ impl Integration for RayMarchParameters {
         self.shadow_size
     }
 
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, self.light_steps);
         match self.jitter {
             true => march.add(self.steps, radiance),
@@ -76,7 +76,7 @@ pub fn shift(ray: usize, seed: u32) -> f32 {
 /// Steps along view rays, for others that need some.
 #[derive(Debug)]
 pub struct March<'a> {
-    lit: Lit<'a>,
+    lit: IntegrationInputs<'a>,
     /// Metres in the medium after which nothing is seen.
     deep: f32,
     way: Way<'a>,
@@ -104,11 +104,11 @@ enum Way<'a> {
 
 impl<'a> March<'a> {
     /// Towards a lamp; from each step `light_steps` to the light, where the medium is a grid.
-    pub fn new(lit: &Lit<'a>, light_steps: u32) -> Self {
+    pub fn new(lit: &IntegrationInputs<'a>, light_steps: u32) -> Self {
         let haze = Haze::of(lit.medium);
         let deep = haze.map_or(f32::INFINITY, |haze| haze.deep());
         let way = match (haze, lit.lamp.place) {
-            (Some(haze), Place::Distant(towards)) => Way::Distant(Distant::new(lit, haze, towards)),
+            (Some(haze), LampPosition::Distant(towards)) => Way::Distant(Distant::new(lit, haze, towards)),
             (haze, _) => Way::General(General::new(lit, haze, light_steps)),
         };
         Self { lit: *lit, deep, way }

@@ -1,6 +1,6 @@
 //! The slow, plain version of the passes, kept so close to them that both can be read side by side.
 
-use crate::methods::Picture;
+use crate::methods::LightImage;
 use crate::methods::picture::every_pixel;
 use crate::screen::Written;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, random, wgsl::uniforms};
@@ -9,7 +9,7 @@ use glam::{IVec2, UVec2, Vec2, Vec3, Vec4};
 /// What the passes read of a g-buffer.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    picture: Picture,
+    picture: LightImage,
     /// [`Attribute::Depth`] and [`Attribute::Motion`], `[3, height, width]`.
     movement: Planes,
 }
@@ -21,7 +21,7 @@ impl Moving {
     /// If the g-buffer lacks an attribute.
     pub fn of(gbuffer: &GBuffer) -> Result<Self, MissingAttribute> {
         let movement = gbuffer.select(&[Attribute::Depth, Attribute::Motion])?;
-        Ok(Self { picture: Picture::of(gbuffer)?, movement })
+        Ok(Self { picture: LightImage::of(gbuffer)?, movement })
     }
 
     fn half_movement(&self, settings: &uniforms::Reconstruction, at: IVec2) -> Vec3 {

@@ -26,16 +26,16 @@ fn unbounded(quality: Quality) -> ReconstructionParameters {
 
 /// What a pixel of a picture made by hand shows.
 #[derive(Clone, Copy)]
-struct Shown {
+struct TestPixel {
     light: Vec3,
     depth: f32,
     /// Direction, from x to the right towards y up, and length in pixels.
     motion: [f32; 2],
 }
 
-fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> Option<Shown> + Sync) -> GBuffer {
+fn gbuffer_of(height: usize, width: usize, pixel: impl Fn(IVec2) -> Option<TestPixel> + Sync) -> GBuffer {
     let pixels = every_pixel(height, width, |at| {
-        pixel(at).map_or([0.0; 7], |Shown { light, depth, motion }| {
+        pixel(at).map_or([0.0; 7], |TestPixel { light, depth, motion }| {
             [light.x, light.y, light.z, depth, motion[0], motion[1], 1.0]
         })
     });
@@ -55,8 +55,8 @@ fn exposed(gbuffer: &GBuffer, parameters: &ReconstructionParameters) -> Planes {
 #[test]
 fn a_moving_step_edge_is_a_linear_ramp() {
     const SIZE: usize = 64;
-    let sheet = |direction| Shown { light: Vec3::ONE, depth: 1.0, motion: [direction, 20.0] };
-    let wall = Shown { light: Vec3::ZERO, depth: 4.0, motion: [0.0, 0.0] };
+    let sheet = |direction| TestPixel { light: Vec3::ONE, depth: 1.0, motion: [direction, 20.0] };
+    let wall = TestPixel { light: Vec3::ZERO, depth: 4.0, motion: [0.0, 0.0] };
     for background in [None, Some(wall)] {
         let across = gbuffer_of(SIZE, SIZE, |at| if at.x < 32 { Some(sheet(0.0)) } else { background });
         let down = gbuffer_of(SIZE, SIZE, |at| if at.y < 32 { Some(sheet(FRAC_PI_2)) } else { background });
@@ -81,7 +81,7 @@ fn what_stands_still_stays_bit_for_bit() {
     let gbuffer = |still: f32| {
         gbuffer_of(HEIGHT, WIDTH, move |at| {
             let (depth, length) = if at.x < 30 { (2.0, still) } else { (5.0, 12.0) };
-            Some(Shown { light: light(at), depth, motion: [0.0, length] })
+            Some(TestPixel { light: light(at), depth, motion: [0.0, length] })
         })
     };
     for quality in Quality::ALL {
@@ -105,7 +105,7 @@ fn what_is_flat_stays_flat_whatever_moves() {
     let gbuffer = gbuffer_of(HEIGHT, WIDTH, |at| {
         let (a, b) = ((at.x / 9) as f32, (at.y / 5) as f32);
         let motion = [(a + 2.0 * b) % 3.1, 25.0 * (a * 1.3 + b).sin().abs()];
-        Some(Shown { light: Vec3::splat(2.5), depth: 2.0 + (3.0 * a - b).sin(), motion })
+        Some(TestPixel { light: Vec3::splat(2.5), depth: 2.0 + (3.0 * a - b).sin(), motion })
     });
     for quality in Quality::ALL {
         let image = exposed(&gbuffer, &unbounded(quality));
@@ -119,7 +119,7 @@ fn directions_turn_from_right_to_up() {
     let stripes = |at: IVec2| Vec3::splat(((at.x + at.y) / 4 % 2) as f32);
     let contrast = |direction: f32| {
         let gbuffer = gbuffer_of(HEIGHT, WIDTH, |at| {
-            Some(Shown { light: stripes(at), depth: 2.0, motion: [direction, 16.0] })
+            Some(TestPixel { light: stripes(at), depth: 2.0, motion: [direction, 16.0] })
         });
         let image = exposed(&gbuffer, &ReconstructionParameters::of(Quality::High));
         let values: Vec<f32> = (20..40).map(|x| image.at(0, 20, x)).collect();

@@ -1,6 +1,6 @@
 //! The slow, plain version of the passes, kept so close to them that both can be read side by side.
 
-use crate::methods::Picture;
+use crate::methods::LightImage;
 use crate::methods::picture::every_pixel;
 use crate::screen::Written;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, wgsl::TILE, wgsl::uniforms};
@@ -10,7 +10,7 @@ use std::f32::consts::PI;
 /// What the passes read of a g-buffer.
 #[derive(Clone, Debug)]
 pub struct Blurred {
-    picture: Picture,
+    picture: LightImage,
     /// [`Attribute::Depth`] and [`Attribute::Blurriness`], `[2, height, width]`.
     optics: Planes,
 }
@@ -22,7 +22,7 @@ impl Blurred {
     /// If the g-buffer lacks an attribute.
     pub fn of(gbuffer: &GBuffer) -> Result<Self, MissingAttribute> {
         let optics = gbuffer.select(&[Attribute::Depth, Attribute::Blurriness])?;
-        Ok(Self { picture: Picture::of(gbuffer)?, optics })
+        Ok(Self { picture: LightImage::of(gbuffer)?, optics })
     }
 
     fn circle(&self, gather: &uniforms::RingGather, at: IVec2) -> f32 {

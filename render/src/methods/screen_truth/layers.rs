@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// A point that is shown.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown {
+pub struct LayerPoint {
     /// Where in the image, pixels from its top left corner; outside of it in the guard band.
     pub at: Vec2,
     /// World space, metres.
@@ -41,7 +41,7 @@ impl Eye<'_> {
     /// The first surfaces behind a point of the image, the nearest first, as many as there are of `count`.
     /// From one to the next there is a pixel's footprint at least: what is nearer is no second surface at the
     /// screen's resolution.
-    pub fn surfaces(&self, at: Vec2, count: usize) -> Vec<Shown> {
+    pub fn surfaces(&self, at: Vec2, count: usize) -> Vec<LayerPoint> {
         let direction = self.camera.direction(at, self.height, self.width);
         let mut origin = self.camera.position;
         let mut found = Vec::with_capacity(count);
@@ -49,7 +49,7 @@ impl Eye<'_> {
             let Some(hit) = self.scene.hit(origin, direction, f32::INFINITY) else { break };
             let point = SurfacePoint::new(self.scene, &hit, direction);
             let depth = -self.camera.to_camera(point.position).z;
-            found.push(Shown { at, position: point.position, normal: point.geometric_normal, depth });
+            found.push(LayerPoint { at, position: point.position, normal: point.geometric_normal, depth });
             origin = point.position + direction * self.footprint(depth);
         }
         found
@@ -66,7 +66,7 @@ pub struct Screen {
     /// Surfaces of a pixel at most.
     pub layers: usize,
     /// Of each pixel, row by row, as many as `layers`.
-    points: Vec<Option<Shown>>,
+    points: Vec<Option<LayerPoint>>,
 }
 
 impl Screen {
@@ -84,12 +84,12 @@ impl Screen {
     }
 
     /// The points of a pixel of the image with its guard band.
-    pub fn pixel(&self, x: usize, y: usize) -> &[Option<Shown>] {
+    pub fn pixel(&self, x: usize, y: usize) -> &[Option<LayerPoint>] {
         &self.points[self.index(x, y, 0)..][..self.layers]
     }
 
     /// All points: pixel by pixel, in it layer by layer.
-    pub fn points(&self) -> &[Option<Shown>] {
+    pub fn points(&self) -> &[Option<LayerPoint>] {
         &self.points
     }
 

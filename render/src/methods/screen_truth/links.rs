@@ -4,7 +4,7 @@
 //! the scene is asked what is between: where a surface goes on, halving the distance in the image again and
 //! again makes the difference of depths small, and where there is a gap it stays.
 
-use super::layers::{Eye, Screen, Shown};
+use super::layers::{Eye, LayerPoint, Screen};
 use rayon::prelude::*;
 
 /// How often the distance of two pixels is halved.
@@ -93,14 +93,14 @@ impl Links {
 }
 
 /// Whether a surface goes on from one point to another of a neighbouring pixel.
-fn is_one_surface(eye: &Eye<'_>, mut a: Shown, mut b: Shown) -> bool {
-    let apart = |a: &Shown, b: &Shown| (a.depth - b.depth).abs();
+fn is_one_surface(eye: &Eye<'_>, mut a: LayerPoint, mut b: LayerPoint) -> bool {
+    let apart = |a: &LayerPoint, b: &LayerPoint| (a.depth - b.depth).abs();
     let near = eye.footprint(a.depth.min(b.depth)).max(LEFT * apart(&a, &b));
     for _ in 0..HALVINGS {
         if apart(&a, &b) <= near {
             return true;
         }
-        let farthest = |between: &Shown| apart(&a, between).max(apart(&b, between));
+        let farthest = |between: &LayerPoint| apart(&a, between).max(apart(&b, between));
         let surfaces = eye.surfaces(0.5 * (a.at + b.at), BETWEEN).into_iter();
         let Some(middle) = surfaces.min_by(|one, other| farthest(one).total_cmp(&farthest(other))) else {
             return false;

@@ -1,7 +1,7 @@
 //! What a screen shows as a scene: two triangles between four pixels of one surface, and where a surface
 //! ends, a square of a pixel's footprint, so that it is not narrower than it is seen.
 
-use super::layers::{Eye, Screen, Shown};
+use super::layers::{Eye, LayerPoint, Screen};
 use super::links::{Links, Node};
 use crate::bvh::TracedScene;
 use crate::sampler::frame;
@@ -32,7 +32,7 @@ pub fn scene(eye: &Eye<'_>, screen: &Screen) -> Result<Option<TracedScene>, Scen
 
 fn mesh(eye: &Eye<'_>, screen: &Screen) -> Mesh {
     let links = Links::new(eye, screen);
-    let position = |point: &Option<Shown>| point.map_or(Vec3::ZERO, |point| point.position);
+    let position = |point: &Option<LayerPoint>| point.map_or(Vec3::ZERO, |point| point.position);
     let blocks = screen.height.saturating_sub(1) * screen.width.saturating_sub(1);
     let block = |index: usize| {
         let (x, y) = (index % (screen.width - 1), index / (screen.width - 1));
@@ -83,7 +83,7 @@ fn add_borders(eye: &Eye<'_>, screen: &Screen, links: &Links, mesh: &mut Mesh) {
 }
 
 /// Corners of a square in a point's tangent plane, by half its edge.
-fn square(point: &Shown, half: f32) -> [Vec3; 4] {
+fn square(point: &LayerPoint, half: f32) -> [Vec3; 4] {
     let axes = frame(point.normal);
     let (right, up) = (axes.x_axis * half, axes.y_axis * half);
     [-right - up, right - up, right + up, up - right].map(|corner| point.position + corner)

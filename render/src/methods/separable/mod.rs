@@ -56,7 +56,7 @@ impl Technique for SeparableParameters {
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let Settings { passes: [rows, columns], taps } = self.settings(view);
+        let SeparableUniforms { passes: [rows, columns], taps } = self.settings(view);
         vec![bytes_of(&rows).to_vec(), bytes_of(&columns).to_vec(), bytes_of(&taps).to_vec()]
     }
 
@@ -82,9 +82,9 @@ impl Technique for SeparableParameters {
     }
 }
 
-/// SeparableParameters of the passes for one frame, as the GPU reads them.
+/// Uniforms of the passes for one frame, as the GPU reads them.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
+pub struct SeparableUniforms {
     /// The blur along rows, then along columns.
     pub passes: [uniforms::Separable; 2],
     /// [`kernel::taps`]
@@ -108,7 +108,7 @@ impl SeparableParameters {
     }
 
     /// The passes' parameters for a view.
-    pub fn settings(&self, view: &View) -> Settings {
+    pub fn settings(&self, view: &View) -> SeparableUniforms {
         let on_one_side = (self.taps / 2 + 1).clamp(2, MOST_TAPS);
         let pass = |step_x, step_y| uniforms::Separable {
             width: view.width as u32,
@@ -119,6 +119,6 @@ impl SeparableParameters {
             focal_length: view.focal_length(),
             follow: self.follow,
         };
-        Settings { passes: [pass(1, 0), pass(0, 1)], taps: kernel::taps(on_one_side, self.reach) }
+        SeparableUniforms { passes: [pass(1, 0), pass(0, 1)], taps: kernel::taps(on_one_side, self.reach) }
     }
 }

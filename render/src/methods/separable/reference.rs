@@ -1,12 +1,12 @@
 //! The slow, plain version of `blur.wgsl`, kept so close to it that both can be read side by side.
 
-use super::Settings;
+use super::SeparableUniforms;
 use crate::methods::Translucent;
 use deepshade_shaders::{Planes, wgsl::uniforms};
 use glam::IVec2;
 
 /// Light scattered along rows, and along both, radiance, `[3, height, width]` each.
-pub fn shade(surface: &Translucent, settings: &Settings) -> [Planes; 2] {
+pub fn shade(surface: &Translucent, settings: &SeparableUniforms) -> [Planes; 2] {
     let [rows, columns] = &settings.passes;
     let light = surface.picture.image(|pixel| surface.picture.light_at(pixel));
     let half = scatter_along(surface, rows, &settings.taps, &light);

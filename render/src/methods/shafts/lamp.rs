@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// Where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum LampPosition {
     /// Infinitely far away, in a unit direction.
     Distant(Vec3),
     /// From a point, world space, metres.
@@ -21,7 +21,7 @@ pub struct Lamp<'a> {
     /// The light with a power of 1 in every colour and no end.
     unit: Light,
     /// Where it is.
-    pub place: Place,
+    pub place: LampPosition,
     /// Irradiance, W/m^2, of a distant light, intensity, W/sr, of others, RGB; [`Lamp::tint`] not counted.
     pub power: Vec3,
     /// Where the light ends, metres from it.
@@ -34,12 +34,12 @@ impl<'a> Lamp<'a> {
         let mut unit = *light;
         let (place, power, range) = match &mut unit {
             Light::Point { position, intensity, range } | Light::Spot { position, intensity, range, .. } => (
-                Place::Local(*position),
+                LampPosition::Local(*position),
                 std::mem::replace(intensity, Vec3::ONE),
                 std::mem::replace(range, f32::INFINITY),
             ),
             Light::Directional { direction, irradiance, .. } => {
-                (Place::Distant(-*direction), std::mem::replace(irradiance, Vec3::ONE), f32::INFINITY)
+                (LampPosition::Distant(-*direction), std::mem::replace(irradiance, Vec3::ONE), f32::INFINITY)
             }
         };
         Self { scene, unit, place, power, range }
@@ -47,7 +47,7 @@ impl<'a> Lamp<'a> {
 
     /// Whether it is infinitely far away.
     pub const fn is_distant(&self) -> bool {
-        matches!(self.place, Place::Distant(_))
+        matches!(self.place, LampPosition::Distant(_))
     }
 
     /// Whether all of its rays are alike.
@@ -63,8 +63,8 @@ impl<'a> Lamp<'a> {
     /// By what the power of the ray through a point is multiplied: cones and pictures.
     pub fn tint(&self, point: Vec3) -> Vec3 {
         match self.place {
-            Place::Distant(_) => Arrival::new(self.scene, &self.unit, point).irradiance,
-            Place::Local(position) => {
+            LampPosition::Distant(_) => Arrival::new(self.scene, &self.unit, point).irradiance,
+            LampPosition::Local(position) => {
                 let away = (point - position).normalize_or(Vec3::Y);
                 Arrival::new(self.scene, &self.unit, position + away).irradiance
             }

@@ -25,7 +25,7 @@ mod view_rays;
 
 pub use faces::{Faces, mean_decay};
 pub use haze::{DEEP, Haze, UNEVEN};
-pub use lamp::{Lamp, Place};
+pub use lamp::{Lamp, LampPosition};
 pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic, TOGETHER};
 pub use view_rays::ViewRays;
 
@@ -37,7 +37,7 @@ use web_time::Instant;
 
 /// What one lamp's light is integrated from.
 #[derive(Clone, Copy, Debug)]
-pub struct Lit<'a> {
+pub struct IntegrationInputs<'a> {
     /// The view rays.
     pub rays: &'a ViewRays,
     /// What scatters.
@@ -61,7 +61,7 @@ pub trait Integration: Send + Sync {
     fn shadow_size(&self) -> usize;
 
     /// Adds a lamp's radiance to each view ray's.
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]);
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]);
 }
 
 /// A way to integrate as a method of the effect `fog-direct`.
@@ -93,7 +93,7 @@ impl<I: Integration> Method for Shafts<I> {
             for light in &scene.lights {
                 let lamp = Lamp::new(scene, light);
                 let map = ShadowMap::new(frame.scene, &lamp, self.0.shadow_size());
-                let lit = Lit { rays: &rays, medium, lamp: &lamp, map: &map, seed: frame.seed };
+                let lit = IntegrationInputs { rays: &rays, medium, lamp: &lamp, map: &map, seed: frame.seed };
                 milliseconds += self.timed(&lit, repeats, &mut radiance);
             }
         }
@@ -105,7 +105,7 @@ impl<I: Integration> Method for Shafts<I> {
 
 impl<I: Integration> Shafts<I> {
     /// Adds one lamp's light and gives the median of the runs' times, milliseconds.
-    fn timed(&self, lit: &Lit<'_>, repeats: Repeats, radiance: &mut [Vec3]) -> f64 {
+    fn timed(&self, lit: &IntegrationInputs<'_>, repeats: Repeats, radiance: &mut [Vec3]) -> f64 {
         let before = radiance.to_vec();
         let mut times = Vec::new();
         for run in 0..repeats.warm_up + repeats.timed.max(1) {

@@ -5,7 +5,7 @@
 //! Texels lie in tiles of 4 x 4, a cache line each, so that a walk in any direction meets a new line every
 //! few steps (as Baran et al. 2010, section 10, have it for their ray marcher).
 
-use super::lamp::{Lamp, Place};
+use super::lamp::{Lamp, LampPosition};
 use crate::bvh::TracedScene;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -68,8 +68,8 @@ impl ShadowMap {
     /// The map of a lamp, of `size` texels a side (a multiple of [`TILE`]).
     pub fn new(scene: &TracedScene, lamp: &Lamp<'_>, size: usize) -> Self {
         let projection = match lamp.place {
-            Place::Distant(towards) => Projection::Parallel(Parallel::around(scene, -towards, size)),
-            Place::Local(position) => {
+            LampPosition::Distant(towards) => Projection::Parallel(Parallel::around(scene, -towards, size)),
+            LampPosition::Local(position) => {
                 Projection::Stereographic(Stereographic::new(position, lamp.cone(), size))
             }
         };

@@ -6,7 +6,7 @@ mod limits;
 mod maps;
 mod truth;
 
-use super::{Integration, Lit, Shafts};
+use super::{Integration, IntegrationInputs, Shafts};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
 use crate::method::{Frame, Method, MethodError, Repeats};
@@ -72,9 +72,9 @@ impl<I: Integration> Integration for Unshadowed<I> {
         self.0.shadow_size()
     }
 
-    fn add(&self, lit: &Lit<'_>, radiance: &mut [Vec3]) {
+    fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let map = lit.map.emptied();
-        self.0.add(&Lit { map: &map, ..*lit }, radiance);
+        self.0.add(&IntegrationInputs { map: &map, ..*lit }, radiance);
     }
 }
 

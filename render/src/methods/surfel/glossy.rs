@@ -15,7 +15,7 @@ use super::{SurfelParameters, passes::Shading, reference};
 use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::lobe::{self, Gloss, Lobe};
 use crate::surfels::reference::Disk;
-use crate::surfels::{Lit, Tree};
+use crate::surfels::{SurfelLight, Tree};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Effect, MissingAttribute, Planes};
 use glam::Vec3;
@@ -30,7 +30,7 @@ const WIDER: f32 = 0.125;
 pub const GLOSSY: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Glossy,
     attributes: lobe::ATTRIBUTES,
-    lit: Some(Lit::Reflected),
+    lit: Some(SurfelLight::Reflected),
     passes: Shading {
         tree: Tree::Lit,
         splat: Shader::at("methods/surfel/glossy"),

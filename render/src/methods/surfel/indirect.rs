@@ -9,7 +9,7 @@ use super::around::Ending;
 use super::reference::{self, LIGHT};
 use super::{SurfelParameters, passes::Shading};
 use crate::methods::disks::{DiskEffect, SURFACE};
-use crate::surfels::{Lit, Tree};
+use crate::surfels::{SurfelLight, Tree};
 use deepshade_shaders::Effect;
 use deepshade_shaders::wgsl::Shader;
 
@@ -17,7 +17,7 @@ use deepshade_shaders::wgsl::Shader;
 pub const INDIRECT: DiskEffect<SurfelParameters> = DiskEffect {
     effect: Effect::Gi,
     attributes: SURFACE,
-    lit: Some(Lit::Reflected),
+    lit: Some(SurfelLight::Reflected),
     passes: Shading {
         tree: Tree::Lit,
         splat: Shader::at("methods/surfel/light"),
@@ -30,4 +30,4 @@ pub const INDIRECT: DiskEffect<SurfelParameters> = DiskEffect {
 
 /// The effect `phosphor-gi`.
 pub const KEPT_LIGHT: DiskEffect<SurfelParameters> =
-    DiskEffect { effect: Effect::PhosphorGi, lit: Some(Lit::Kept), ..INDIRECT };
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), ..INDIRECT };

@@ -60,7 +60,7 @@ pub fn steps(effect: &DiskEffect<SurfelParameters>, to: &Resources<'_>) -> Resul
     let Shading { tree, channels, ending, .. } = effect.passes;
     let (of_surfels, levels) = to.uniforms.split_at(frame::UNIFORMS);
     let (cloud, mut steps) = frame::steps(device, world, of_surfels, tree, lit)?;
-    let room = Room::new(to, channels)?;
+    let room = LevelBuffers::new(to, channels)?;
     let [.., size] = levels else { unreachable!("there is a level") };
     let around = Around::new(ending, to, [size, &of_surfels[1]])?;
     let Around { before, after, .. } = &around;
@@ -80,7 +80,7 @@ struct Splatting<'a> {
     to: &'a Resources<'a>,
     shading: Shading,
     cloud: &'a Cloud,
-    room: &'a Room,
+    room: &'a LevelBuffers,
     around: &'a Around,
 }
 
@@ -91,7 +91,7 @@ impl Splatting<'_> {
         let [of_splat, rows, columns, of_sum] = uniforms else {
             unreachable!("a level has four uniform buffers")
         };
-        let (device, gbuffer, Room { sums, half_blurred }) = (to.device, to.gbuffer, room);
+        let (device, gbuffer, LevelBuffers { sums, half_blurred }) = (to.device, to.gbuffer, room);
         let constants = [("CHANNELS", channels as u32)];
         let [position, normal, third] = &around.receivers;
         let reads = [of_splat, position, normal, third, &cloud.totals, &cloud.surfels, &cloud.nodes];
@@ -117,14 +117,14 @@ pub fn groups_of_level(size: [usize; 2], level: usize) -> [u32; 3] {
 }
 
 /// What lies between the passes; every level uses it again.
-struct Room {
+struct LevelBuffers {
     /// `[channels, height, width]`.
     sums: wgpu::Buffer,
     /// `[channels, height, width]`.
     half_blurred: wgpu::Buffer,
 }
 
-impl Room {
+impl LevelBuffers {
     fn new(to: &Resources<'_>, channels: usize) -> Result<Self, GpuError> {
         let [height, width] = to.size();
         let image = |label: &str| gpu::empty::<f32>(to.device, label, channels * height * width);

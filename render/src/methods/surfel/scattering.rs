@@ -34,7 +34,7 @@ use crate::methods::surface::vector;
 use crate::path::sss::profile;
 use crate::raster::patches;
 use crate::surfels::reference::Disk;
-use crate::surfels::{Lit, Tree};
+use crate::surfels::{SurfelLight, Tree};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 use glam::{IVec2, Vec3};
@@ -59,7 +59,7 @@ pub const SCATTERING: DiskEffect<SurfelParameters> = DiskEffect {
         Attribute::DiffuseLight,
         Attribute::Valid,
     ],
-    lit: Some(Lit::Received),
+    lit: Some(SurfelLight::Received),
     passes: Shading {
         tree: Tree::All,
         splat: Shader::at("methods/surfel/given"),

@@ -277,7 +277,7 @@ fn fewer_levels_and_a_smaller_threshold_agree_with_more_of_both() {
 fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (scene, view, gbuffer) = corner();
     let fine = surfels::SurfelDensity { scale: 0.02, near: 0.01 };
-    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::Lit::Reflected));
+    let disks = surfels::reference::laid(&scene, &fine, &view, Some(surfels::SurfelLight::Reflected));
     let surface = Surface::of(&gbuffer).expect("a surface");
     let light = brute_force(&surface, &disks, LIGHT, 20.0);
     // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless;

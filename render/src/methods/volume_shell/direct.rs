@@ -12,7 +12,7 @@ use super::reference::Rays;
 use crate::bvh::TracedScene;
 use crate::methods::single_scattering::{self, LitMedium};
 use crate::raster::light::shadow_sampler;
-use crate::screen::{About, MethodStep, PlainInputs, Resources, Step, Technique, View, Written};
+use crate::screen::{About, MethodStep, PassDispatch, PlainInputs, Resources, Technique, View, Written};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::Shader;
@@ -51,7 +51,7 @@ impl Technique for Direct {
         let resources =
             own.into_iter().chain(single_scattering::bindings(world, &world.gpu_lights.records, &sampler));
         let pass = pass.bind_at(device, resources)?;
-        let step = Step { pass, workgroups: to.whole().into() };
+        let step = PassDispatch { pass, workgroups: to.whole().into() };
         Ok(vec![march, MethodStep { step, writes: vec![output.clone()] }])
     }
 

@@ -3,7 +3,7 @@
 use super::VolumeShellParameters;
 use super::improvements::Improvement;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{MethodStep, Resources, Step};
+use crate::screen::{MethodStep, PassDispatch, Resources};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
@@ -62,7 +62,7 @@ impl IntervalMap {
                 samples.as_entire_binding(),
             ],
         )?;
-        let step = Step { pass: bound, workgroups: to.whole().into() };
+        let step = PassDispatch { pass: bound, workgroups: to.whole().into() };
         let writes = vec![rays.clone(), samples.clone()];
         Ok((Self { rays, samples }, MethodStep { step, writes }))
     }

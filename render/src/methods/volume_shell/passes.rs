@@ -3,13 +3,13 @@
 
 use super::improvements::Improvement;
 use super::map::{self, IntervalMap};
-use super::pyramid::{self, Room};
+use super::pyramid::{self, PyramidBuffers};
 use super::{VolumeShellParameters, far_reaching};
 use crate::methods::surfel::passes::groups_of_level;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
-use crate::screen::{Device, MethodStep, Resources, Step, View, Workgroups};
-use crate::surfels::{Cloud, Lit, Tree, frame};
+use crate::screen::{Device, MethodStep, PassDispatch, Resources, View, Workgroups};
+use crate::surfels::{Cloud, SurfelLight, Tree, frame};
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::{Shader, uniforms};
@@ -46,14 +46,14 @@ pub fn steps(parameters: &VolumeShellParameters, to: &Resources<'_>) -> Result<V
     let (of_surfels, [march, volume, levels @ ..]) = to.uniforms.split_at(frame::UNIFORMS) else {
         unreachable!("march and splats have a uniform buffer each")
     };
-    let lit = Some(Lit::Dimmed { is_grey: parameters.is_grey() });
+    let lit = Some(SurfelLight::Dimmed { is_grey: parameters.is_grey() });
     let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::Lit, lit)?;
     let view = &of_surfels[1];
     let (map, step) = IntervalMap::step(parameters, to, map::Uniforms { march, view })?;
     steps.push(step);
     let [height, width] = to.size();
     let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;
-    let room = Room::new(device, [width, height], levels.len() / 2 - 1)?;
+    let room = PyramidBuffers::new(device, [width, height], levels.len() / 2 - 1)?;
     let pass = splat_pass(device, parameters, world.medium.kind)?;
     let add = device.pass(Shader::at("methods/volume-shell/add"), &[])?;
     let part = |index| gpu::uniform(device, "volume-shell.part", &uniforms::SplatPart { index });
@@ -120,6 +120,6 @@ impl Splatting<'_> {
         let densities = wgpu::BindingResource::TextureView(densities);
         let resources: Vec<_> = buffers.chain([densities, part.as_entire_binding()]).collect();
         let pass = self.pass.bind(device, &resources)?;
-        Ok(MethodStep { step: Step { pass, workgroups }, writes: vec![self.sums.clone()] })
+        Ok(MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![self.sums.clone()] })
     }
 }

@@ -71,14 +71,14 @@ fn sizes(size: [usize; 2], halvings: usize) -> Vec<[usize; 2]> {
 
 /// Room for the levels of an image, `[height, width, 4]` f32 each, and for what comes back.
 #[derive(Clone, Debug)]
-pub struct Room {
+pub struct PyramidBuffers {
     size: [usize; 2],
     levels: Vec<wgpu::Buffer>,
     /// The image once it is smooth.
     pub smooth: wgpu::Buffer,
 }
 
-impl Room {
+impl PyramidBuffers {
     /// Of an image of columns and rows and so many halvings at most.
     ///
     /// # Errors
@@ -99,7 +99,7 @@ impl Room {
 pub fn steps(
     device: &Device,
     image: &wgpu::Buffer,
-    room: &Room,
+    room: &PyramidBuffers,
     halvings: usize,
 ) -> Result<Vec<MethodStep>, GpuError> {
     let sizes = sizes(room.size, halvings);

@@ -11,7 +11,7 @@ use crate::path::medium::{HenyeyGreenstein, Segment};
 use crate::scene::Medium;
 use crate::screen::View;
 use crate::surfels::reference::{Disk, laid};
-use crate::surfels::{self, Lit};
+use crate::surfels::{self, SurfelLight};
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
 use glam::{UVec2, Vec2, Vec3, Vec4};
@@ -108,7 +108,7 @@ pub fn shade(
 
 /// What splatting a frame takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct SplatCounts {
     /// Pairs of a pixel and a surfel whose shell its ray meets.
     pub pairs: u64,
     /// Intervals that these pairs visit.
@@ -124,16 +124,16 @@ pub fn work(
     scene: &TracedScene,
     parameters: &VolumeShellParameters,
     view: &View,
-) -> Result<Work, MissingAttribute> {
-    let Some(medium) = seen_medium(scene, parameters) else { return Ok(Work::default()) };
+) -> Result<SplatCounts, MissingAttribute> {
+    let Some(medium) = seen_medium(scene, parameters) else { return Ok(SplatCounts::default()) };
     let rays = Rays::new(gbuffer, &medium, parameters, view)?;
     let disks = lit_disks(scene, parameters, view);
-    let mut work = Work::default();
+    let mut work = SplatCounts::default();
     for level in 0..parameters.levels {
         let settings = parameters.level(level, view);
         let scattering = Scattering { medium: &medium, parameters, view, level: &settings };
         for (_, its) in scattering.over_pixels(&disks, &rays, &|disks, ray| scattering.work(disks, ray)) {
-            work = Work { pairs: work.pairs + its.pairs, visits: work.visits + its.visits };
+            work = SplatCounts { pairs: work.pairs + its.pairs, visits: work.visits + its.visits };
         }
     }
     Ok(work)
@@ -144,7 +144,7 @@ fn lit_disks(scene: &TracedScene, parameters: &VolumeShellParameters, view: &Vie
     let far = far_reaching(view);
     let near = parameters.surfels.near * view.radius / far.radius;
     let settings = surfels::SurfelDensity { near, ..parameters.surfels };
-    laid(scene, &settings, &far, Some(Lit::Dimmed { is_grey: parameters.is_grey() }))
+    laid(scene, &settings, &far, Some(SurfelLight::Dimmed { is_grey: parameters.is_grey() }))
 }
 
 /// What is the same for all pairs of a level.
@@ -187,9 +187,9 @@ impl Scattering<'_> {
         (scattered.sum::<Vec3>() * self.level.stands_for).extend(ray.scatters)
     }
 
-    fn work(&self, disks: &mut dyn Iterator<Item = &Disk>, ray: &PixelRay) -> Work {
+    fn work(&self, disks: &mut dyn Iterator<Item = &Disk>, ray: &PixelRay) -> SplatCounts {
         let direction = self.view.camera.direction_to_camera(ray.direction);
-        let mut work = Work::default();
+        let mut work = SplatCounts::default();
         for disk in disks {
             let along = disk.place.dot(direction);
             let aside = (disk.place - along * direction).length_squared();

@@ -20,7 +20,7 @@ use deepshade_shaders::{GBuffer, Planes};
 use glam::Vec3;
 
 /// A scene, from where it is seen, and its g-buffer.
-type Seen = (TracedScene, View, GBuffer);
+type ViewedScene = (TracedScene, View, GBuffer);
 
 /// The box of media in the corner.
 const BOX: Bounds = Bounds { min: Vec3::new(-4.0, 0.0, -4.0), max: Vec3::new(1.0, 2.0, 4.0) };
@@ -43,7 +43,7 @@ fn fog(extinction: f32) -> Medium {
 }
 
 /// A scene in a medium, as a camera sees it.
-fn seen_in(scene: Scene, medium: Option<Medium>, view: View) -> Seen {
+fn seen_in(scene: Scene, medium: Option<Medium>, view: View) -> ViewedScene {
     let scene = Scene { medium: medium.map(Into::into), ..scene };
     let scene = TracedScene::new(scene).expect("a scene");
     let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, &Attribute::ALL);
@@ -51,11 +51,11 @@ fn seen_in(scene: Scene, medium: Option<Medium>, view: View) -> Seen {
 }
 
 /// The lit corner, seen through a medium.
-fn filled(medium: Medium) -> Seen {
+fn filled(medium: Medium) -> ViewedScene {
     filled_at(medium, 36, 48)
 }
 
-fn filled_at(medium: Medium, height: usize, width: usize) -> Seen {
+fn filled_at(medium: Medium, height: usize, width: usize) -> ViewedScene {
     let (scene, view, _) = corner();
     seen_in(scene.scene().clone(), Some(medium), View { radius: 1.0, height, width, ..view })
 }
@@ -74,12 +74,12 @@ fn without(improvement: Improvement) -> VolumeShellParameters {
     VolumeShellParameters { improvements: Improvements::ALL.without(improvement), ..coarse() }
 }
 
-fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
+fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &ViewedScene) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
 
-fn image(gpu: &Gpu, parameters: VolumeShellParameters, seen: &Seen) -> Planes {
+fn image(gpu: &Gpu, parameters: VolumeShellParameters, seen: &ViewedScene) -> Planes {
     shaded(&ScreenMethod::new(gpu, parameters), seen)
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::bvh::TracedScene;
 use crate::path::medium::HenyeyGreenstein;
-use crate::path::proving::{Measured, prove_slope, quad};
+use crate::path::proving::{MeanWithError, prove_slope, quad};
 use crate::path::{Integrator, Sampling, render};
 use crate::sampler::{PixelSampler, Stream};
 use crate::scene::medium::Weather;
@@ -60,14 +60,14 @@ fn wall(x: f32) -> (Mesh, Material) {
 }
 
 /// What is seen of light of a route from a point along +x.
-fn seen(scene: &TracedScene, from: Vec3, samples: u32, route: Route) -> Measured {
+fn seen(scene: &TracedScene, from: Vec3, samples: u32, route: Route) -> MeanWithError {
     let camera = Camera::look_at(from, from + Vec3::X);
     let shot = Shot::new(scene, &camera, [1, 1], f32::INFINITY);
-    Measured::of(&FullPath::along(route, &shot), &shot, samples)
+    MeanWithError::of(&FullPath::along(route, &shot), &shot, samples)
 }
 
 /// Proves a value, and that a light that is 2 % brighter would be noticed.
-fn prove(name: &str, found: Measured, expected: Vec3) {
+fn prove(name: &str, found: MeanWithError, expected: Vec3) {
     found.proves(name, expected);
     found.refutes(name, expected * 1.02);
 }
@@ -295,9 +295,9 @@ fn surfaces_that_only_fog_shines_on_are_multiple_scattering() {
     let camera = Camera::look_at(Vec3::new(-0.5, 0.4, 0.0), Vec3::new(1.4, 0.0, 0.0));
     let shot = Shot::new(&scene, &camera, [1, 1], f32::INFINITY);
     for none in [Route::Direct, Route::Indirect, Route::Surfaces] {
-        assert_eq!(Measured::of(&FullPath::along(none, &shot), &shot, 256).mean, Vec3::ZERO);
+        assert_eq!(MeanWithError::of(&FullPath::along(none, &shot), &shot, 256).mean, Vec3::ZERO);
     }
-    let multiple = Measured::of(&multiple(&shot), &shot, 4096);
+    let multiple = MeanWithError::of(&multiple(&shot), &shot, 4096);
     assert!(multiple.mean.cmpgt(5.0 * multiple.error).all(), "{} +- {}", multiple.mean, multiple.error);
 }
 
@@ -358,7 +358,7 @@ fn the_three_and_dimmed_surfaces_add_up_to_full_path_tracing() {
         let rest = |without: Option<Route>, samples: u32| {
             let parts = ROUTES.into_iter().filter(|route| Some(*route) != without);
             let parts = parts.map(|route| FullPath::along(route, &shot)).collect();
-            Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, samples)
+            MeanWithError::of(&Sum { parts, whole: FullPath::new(&shot), factor: -1.0 }, &shot, samples)
         };
         rest(None, 4096).proves("fog/sum_of_routes", Vec3::ZERO);
         for without in ROUTES {
@@ -393,7 +393,7 @@ fn white_fog_under_an_even_sky_is_not_seen() {
                 } else {
                     vec![]
                 };
-                Measured::of(&Sum { parts, whole: FullPath::new(&shot), factor }, &shot, 1024)
+                MeanWithError::of(&Sum { parts, whole: FullPath::new(&shot), factor }, &shot, 1024)
             };
             for factor in [0.0, 1.0] {
                 measured(1.0, factor).proves("furnace/fog", sky);

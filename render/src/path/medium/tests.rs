@@ -1,7 +1,7 @@
 use super::*;
 use crate::path::chi_square::{self, p_value, p_value_of_distances};
 use crate::path::lights::Arrival;
-use crate::path::proving::Measured;
+use crate::path::proving::MeanWithError;
 use crate::sampler::PixelSampler;
 use crate::scene::{Bounds, DensityGrid, Scene};
 use glam::Vec2;
@@ -13,7 +13,7 @@ fn stream(index: u32, seed: u32) -> Stream {
 }
 
 /// Proves a value, and that 5 % more would be noticed.
-fn prove(name: &str, found: Measured, expected: Vec3) {
+fn prove(name: &str, found: MeanWithError, expected: Vec3) {
     found.proves(name, expected);
     found.refutes(name, expected * 1.05);
 }
@@ -99,7 +99,7 @@ fn uniform_media_dim_light_as_beer_and_lambert_say() {
     let extinction = ABSORPTION + SCATTERING;
     for (length, inside) in [(0.5, 0.0), (2.5, 1.5), (6.0, 3.0)] {
         let expected = (-extinction * inside).exp();
-        let found = Measured { mean: dimmed(&medium, Segment { length, ..ALONG }), error: Vec3::ZERO };
+        let found = MeanWithError { mean: dimmed(&medium, Segment { length, ..ALONG }), error: Vec3::ZERO };
         found.proves("beer_lambert/uniform", expected);
         if inside > 0.0 {
             found.refutes("beer_lambert/uniform", (-1.02 * extinction * inside).exp());
@@ -119,7 +119,7 @@ fn ratio_tracking_dims_light_by_the_line_integral() {
         for length in [2.2, 6.0] {
             let segment = Segment { length, ..ALONG };
             let media = Media { medium: Some(&medium) };
-            let found = Measured::of_independent(|stream| media.transmittance(&segment, stream), 60_000);
+            let found = MeanWithError::of_independent(|stream| media.transmittance(&segment, stream), 60_000);
             prove("beer_lambert/ratio_tracking", found, passing(&medium, length));
         }
     }
@@ -131,7 +131,7 @@ fn thick_grids_dim_light_without_a_bias_by_roulette() {
     // Optical depths of 4.2, 3.6 and 5.4, at all of which light is faint.
     let medium = Medium { absorption: Vec3::new(0.5, 0.2, 0.0), ..medium(Density::Grid(dense)) };
     let media = Media { medium: Some(&medium) };
-    let found = Measured::of_independent(|stream| media.transmittance(&ALONG, stream), 300_000);
+    let found = MeanWithError::of_independent(|stream| media.transmittance(&ALONG, stream), 300_000);
     prove("beer_lambert/thick", found, (-medium.extinction() * 6.0).exp());
 }
 
@@ -143,12 +143,16 @@ fn flights_pass_and_scatter_as_often_as_light_does() {
                 let flight = flight(&medium, length, stream);
                 if flight.scattered.is_none() { flight.weight } else { Vec3::ZERO }
             };
-            prove("flight/passing", Measured::of_independent(passed, 40_000), passing(&medium, length));
+            prove("flight/passing", MeanWithError::of_independent(passed, 40_000), passing(&medium, length));
             let scatters = |stream: &mut Stream| {
                 let flight = flight(&medium, length, stream);
                 if flight.scattered.is_some() { flight.weight } else { Vec3::ZERO }
             };
-            prove("flight/scattered", Measured::of_independent(scatters, 40_000), scattered(&medium, length));
+            prove(
+                "flight/scattered",
+                MeanWithError::of_independent(scatters, 40_000),
+                scattered(&medium, length),
+            );
         }
     }
 }
@@ -165,7 +169,11 @@ fn flights_scatter_where_light_does() {
                     Vec3::ZERO
                 }
             };
-            prove("flight/scattered", Measured::of_independent(early, 40_000), scattered(&medium, until));
+            prove(
+                "flight/scattered",
+                MeanWithError::of_independent(early, 40_000),
+                scattered(&medium, until),
+            );
         }
     }
 }
@@ -179,7 +187,7 @@ fn certain_scattering_is_where_and_as_much_as_that_of_flights() {
                 let Flight { scattered, weight } = media.scattering(&ALONG, THROUGHPUT, stream);
                 if scattered.is_some_and(|distance| distance < until) { weight } else { Vec3::ZERO }
             };
-            prove("flight/certain", Measured::of_independent(early, 40_000), scattered(&medium, until));
+            prove("flight/certain", MeanWithError::of_independent(early, 40_000), scattered(&medium, until));
         }
     }
 }
@@ -200,7 +208,7 @@ fn scattering_of_lamps_is_where_and_as_much_as_that_of_flights() {
                     media.scattering_of_lamps(&lights, &ALONG, THROUGHPUT, stream);
                 if scattered.is_some_and(|distance| distance < until) { weight } else { Vec3::ZERO }
             };
-            let found = Measured::of_independent(early, 160_000);
+            let found = MeanWithError::of_independent(early, 160_000);
             prove("flight/of_lamps", found, scattered(&medium, until));
         }
     }
@@ -235,12 +243,12 @@ fn light_of_a_near_lamp_has_a_tenth_of_the_variance_of_free_flights() {
         }
         let expected = expected.as_vec3();
         let count = 100_000;
-        let by_lamps = Measured::of_independent(
+        let by_lamps = MeanWithError::of_independent(
             |stream| lit(media.scattering_of_lamps(&lights, &ALONG, Vec3::ONE, stream)),
             count,
         );
         let by_flights =
-            Measured::of_independent(|stream| lit(media.scattering(&ALONG, Vec3::ONE, stream)), count);
+            MeanWithError::of_independent(|stream| lit(media.scattering(&ALONG, Vec3::ONE, stream)), count);
         by_lamps.proves("flight/near_lamp", expected);
         by_lamps.refutes("flight/near_lamp", 1.02 * expected);
         assert!(by_flights.is(expected), "{by_flights:?} is not {expected}");
@@ -328,7 +336,7 @@ fn what_only_absorbs_scatters_nothing() {
         let media = Media { medium: Some(&medium) };
         assert!((0..100).all(|index| flight(&medium, 6.0, &mut stream(index, 3)).scattered.is_none()));
         assert_eq!(media.scattering(&ALONG, Vec3::ONE, &mut stream(0, 3)), Flight::passed(Vec3::ZERO));
-        let found = Measured::of_independent(|stream| flight(&medium, 6.0, stream).weight, 40_000);
+        let found = MeanWithError::of_independent(|stream| flight(&medium, 6.0, stream).weight, 40_000);
         prove("beer_lambert/absorption", found, passing(&medium, 6.0));
     }
 }
@@ -352,7 +360,7 @@ fn nothing_is_nothing() {
 
 /// Mean squared distance from its start of light that is absorbed where it collides, after a random walk in
 /// an endless medium with a mean free path of half a metre.
-fn squared_distance(albedo: f32, anisotropy: f32) -> Measured {
+fn squared_distance(albedo: f32, anisotropy: f32) -> MeanWithError {
     let (extinction, absorbed) = (Vec3::splat(2.0), 1.0 - albedo);
     let medium = Medium::new(extinction * absorbed, extinction * albedo, anisotropy, Density::Everywhere);
     let medium = medium.expect("a medium");
@@ -371,7 +379,7 @@ fn squared_distance(albedo: f32, anisotropy: f32) -> Measured {
         }
         Vec3::splat(sum)
     };
-    Measured::of_independent(walk, 60_000)
+    MeanWithError::of_independent(walk, 60_000)
 }
 
 #[test]
@@ -409,7 +417,7 @@ fn anisotropy_is_the_mean_cosine() {
         let cosine = |stream: &mut Stream| {
             Vec3::splat(phase.sample(Vec3::Y, Vec2::new(stream.next_1d(), stream.next_1d())).y)
         };
-        let found = Measured::of_independent(cosine, 40_000);
+        let found = MeanWithError::of_independent(cosine, 40_000);
         found.proves("phase/mean_cosine", Vec3::splat(g));
         found.refutes("phase/mean_cosine", Vec3::splat(g + 0.02));
         // By midpoints over the cosine, fine enough for the peak.

@@ -5,7 +5,7 @@ use crate::intersection::{Start, blended};
 use crate::path::lights::Arrival;
 use crate::scene::glow::{FOR_LONG, Piece};
 use crate::scene::{Glow, Mesh};
-use deepshade_glow::paint::{Lit, MOST_STATES, Paint, Steps};
+use deepshade_glow::paint::{LightInterval, MOST_STATES, Paint, Steps};
 use glam::Vec3;
 
 /// What a scene's surfaces give back at a moment.
@@ -22,7 +22,7 @@ pub struct Afterglow<'a> {
 
 /// A point of a mesh as light falls on it.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct ReceivingPoint {
     /// World space, metres.
     pub position: Vec3,
     /// Of the triangle.
@@ -32,7 +32,7 @@ pub struct Place {
     start: Start,
 }
 
-impl Place {
+impl ReceivingPoint {
     /// The point of a triangle with these weights of its corners.
     pub fn new(mesh: &Mesh, triangle: usize, weights: [f32; 3]) -> Self {
         let corners = mesh.corners(triangle);
@@ -71,24 +71,25 @@ impl<'a> Afterglow<'a> {
     }
 
     /// Excited shares of a paint after all that happened.
-    fn after(&self, paint: &Paint, history: Vec<Lit>) -> [f32; MOST_STATES] {
+    fn after(&self, paint: &Paint, history: Vec<LightInterval>) -> [f32; MOST_STATES] {
         // Light before the beginning is an equilibrium by any scheme.
-        let steps = |lit: Lit| (lit, if lit.seconds >= FOR_LONG { Steps::EXACT } else { self.steps });
+        let steps =
+            |lit: LightInterval| (lit, if lit.seconds >= FOR_LONG { Steps::EXACT } else { self.steps });
         paint.after_steps(self.glow.before(), history.into_iter().map(steps))
     }
 
     /// Irradiance of the lamps of each schedule when they shine, on both sides of a surface together, W/m²,
     /// RGB, in the scene as it is now.
-    pub fn irradiance(&self, place: &Place) -> Vec<Vec3> {
+    pub fn irradiance(&self, place: &ReceivingPoint) -> Vec<Vec3> {
         self.irradiance_in(self.scene, place, None)
     }
 
     /// The same on the side that is seen from a direction.
-    pub fn irradiance_towards(&self, place: &Place, eye: Vec3) -> Vec<Vec3> {
+    pub fn irradiance_towards(&self, place: &ReceivingPoint, eye: Vec3) -> Vec<Vec3> {
         self.irradiance_in(self.scene, place, Some(eye))
     }
 
-    fn irradiance_in(&self, traced: &TracedScene, place: &Place, eye: Option<Vec3>) -> Vec<Vec3> {
+    fn irradiance_in(&self, traced: &TracedScene, place: &ReceivingPoint, eye: Option<Vec3>) -> Vec<Vec3> {
         let mut received = vec![Vec3::ZERO; self.glow.schedules.len()];
         // What has no area gets no light, though its vertices may have normals.
         if place.geometric_normal == Vec3::ZERO {
@@ -112,13 +113,14 @@ impl<'a> Afterglow<'a> {
     }
 
     /// The light that a point of a mesh got, from the beginning on.
-    pub fn history(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Vec<Lit> {
+    pub fn history(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Vec<LightInterval> {
         let mut history = Vec::new();
         for (pose, pieces) in &self.past {
             let shines = pieces.iter().any(|piece| piece.on.contains(&true));
-            let place = || Place::new(&pose.scene().meshes[mesh], triangle, weights);
+            let place = || ReceivingPoint::new(&pose.scene().meshes[mesh], triangle, weights);
             let received = if shines { self.irradiance_in(pose, &place(), None) } else { Vec::new() };
-            let lit = |piece: &Piece| Lit { seconds: piece.seconds, irradiance: piece.light(&received) };
+            let lit =
+                |piece: &Piece| LightInterval { seconds: piece.seconds, irradiance: piece.light(&received) };
             history.extend(pieces.iter().map(lit));
         }
         history
@@ -139,7 +141,8 @@ impl<'a> Afterglow<'a> {
         for (pose, pieces) in &self.past {
             let shines = pieces.iter().any(|piece| piece.on.contains(&true));
             let received = if shines { self.fluence_in(pose, point) } else { Vec::new() };
-            let lit = |piece: &Piece| Lit { seconds: piece.seconds, irradiance: piece.light(&received) };
+            let lit =
+                |piece: &Piece| LightInterval { seconds: piece.seconds, irradiance: piece.light(&received) };
             history.extend(pieces.iter().map(lit));
         }
         self.after(paint, history)

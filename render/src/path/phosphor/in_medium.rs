@@ -73,7 +73,7 @@ impl Afterglow<'_> {
 #[cfg(test)]
 mod tests {
     use crate::bvh::TracedScene;
-    use crate::path::proving::{Measured, quad};
+    use crate::path::proving::{MeanWithError, quad};
     use crate::path::{FullPath, Shot};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
@@ -100,12 +100,12 @@ mod tests {
         .expect("a wall")
     }
 
-    fn seen(scene: &TracedScene) -> Measured {
+    fn seen(scene: &TracedScene) -> MeanWithError {
         // So narrow that all rays are alike.
         let ahead = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO);
         let camera = Camera { vertical_fov: 1e-3, ..ahead };
         let shot = Shot::new(scene, &camera, [1, 1], f32::INFINITY);
-        Measured::of(&FullPath::new(&shot), &shot, 4096)
+        MeanWithError::of(&FullPath::new(&shot), &shot, 4096)
     }
 
     #[test]

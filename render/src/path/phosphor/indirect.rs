@@ -42,7 +42,7 @@ impl SurfaceEffect for KeptLight<'_> {
 mod tests {
     use super::*;
     use crate::path::at_surface::AtSurface;
-    use crate::path::proving::{Measured, quad};
+    use crate::path::proving::{MeanWithError, quad};
     use crate::scene::glow::Start;
     use crate::scene::glow::tests::glow;
     use crate::scene::{Camera, Material, MaterialId, Mesh, Scene};
@@ -67,10 +67,10 @@ mod tests {
         .expect("squares")
     }
 
-    fn at_patch(scene: &TracedScene, radius: f32) -> Measured {
+    fn at_patch(scene: &TracedScene, radius: f32) -> MeanWithError {
         let camera = Camera::look_at(Vec3::new(0.0, 0.01, 0.01), Vec3::ZERO);
         let shot = Shot::new(scene, &camera, [1, 1], radius);
-        Measured::of(&AtSurface::new(&shot, KeptLight::new(&shot)), &shot, 4096)
+        MeanWithError::of(&AtSurface::new(&shot, KeptLight::new(&shot)), &shot, 4096)
     }
 
     #[test]

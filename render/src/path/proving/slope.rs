@@ -1,6 +1,6 @@
 //! How fast errors fall with the number of samples.
 
-use super::ledger::Comparison;
+use super::comparison::Comparison;
 
 /// Samples that means are of.
 const SAMPLES: [u32; 5] = [16, 64, 256, 1024, 4096];

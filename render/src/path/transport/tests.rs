@@ -1,7 +1,7 @@
 mod veach;
 
 use super::*;
-use crate::path::proving::{Measured, least_squares, prove_slope, quad};
+use crate::path::proving::{MeanWithError, least_squares, prove_slope, quad};
 use crate::path::{Sampling, Shot, render};
 use crate::sampler::PixelSampler;
 use crate::scene::{AlphaMode, Camera, Environment, Gloss, Light, Material, MaterialId, Mesh, Scene};
@@ -30,14 +30,14 @@ fn lambert(albedo: f32) -> Material {
 }
 
 /// Mean of a quantity over independent paths.
-fn measured(count: u32, sample: impl Fn(&mut Stream) -> f32) -> Measured {
-    Measured::of_independent(|stream| Vec3::splat(sample(stream)), count)
+fn measured(count: u32, sample: impl Fn(&mut Stream) -> f32) -> MeanWithError {
+    MeanWithError::of_independent(|stream| Vec3::splat(sample(stream)), count)
 }
 
 /// Proves a value, and that light that is 2 % brighter would be noticed: transport is linear.
-fn prove(name: &str, found: Measured, expected: Vec3) {
+fn prove(name: &str, found: MeanWithError, expected: Vec3) {
     found.proves(name, expected);
-    Measured { mean: 1.02 * found.mean, error: 1.02 * found.error }.refutes(name, expected);
+    MeanWithError { mean: 1.02 * found.mean, error: 1.02 * found.error }.refutes(name, expected);
 }
 
 /// Where paths of these tests begin, and their direction.
@@ -50,7 +50,7 @@ fn a_white_furnace_of_lambert_walls_has_the_sum_of_powers() {
         let scene = traced(Scene { meshes: cube(6).into(), materials: vec![wall], ..Scene::default() });
         let transport = Transport::new(&scene);
         let of = |parts: &dyn Fn(Split) -> Vec3| {
-            Measured::of_independent(|stream| parts(transport.split(EYE.0, EYE.1, stream)), 150_000)
+            MeanWithError::of_independent(|stream| parts(transport.split(EYE.0, EYE.1, stream)), 150_000)
         };
         let all = 1.0 / (1.0 - albedo);
         let first = of(&|split| Vec3::new(split.emitted.x, split.direct.x, split.first_indirect.x));
@@ -61,7 +61,7 @@ fn a_white_furnace_of_lambert_walls_has_the_sum_of_powers() {
         ] {
             for part in 0..3 {
                 let alone = |of: Vec3| Vec3::splat(of[part]);
-                let found = Measured { mean: alone(found.mean), error: alone(found.error) };
+                let found = MeanWithError { mean: alone(found.mean), error: alone(found.error) };
                 prove("furnace/lambert_box", found, alone(expected));
             }
         }
@@ -78,7 +78,7 @@ fn white_walls_in_a_white_sky_are_invisible() {
         ..Scene::default()
     });
     let transport = Transport::new(&scene);
-    let found = Measured::of_independent(|stream| transport.radiance(EYE.0, EYE.1, stream), 20_000);
+    let found = MeanWithError::of_independent(|stream| transport.radiance(EYE.0, EYE.1, stream), 20_000);
     prove("furnace/open_box", found, Vec3::ONE);
 }
 
@@ -170,7 +170,7 @@ fn lights_without_an_extent_light_a_floor_as_they_do_alone() {
         found
     };
     // Rays start a little above the floor, which is a little nearer to the light.
-    let close = |found: Measured, to: f32| (found.mean.x - to).abs() <= 3.0 * found.error.x + 1e-4 * to;
+    let close = |found: MeanWithError, to: f32| (found.mean.x - to).abs() <= 3.0 * found.error.x + 1e-4 * to;
     // I / d^2 cos albedo / pi, with d = 5 and cos = 0.8.
     let (above, by_lamp) = (Vec3::new(0.3, 2.0, 0.4), 100.0 / 25.0 * 0.8 * 0.5 * FRAC_1_PI);
     assert!(close(at_origin(vec![point(100.0)], above), by_lamp));

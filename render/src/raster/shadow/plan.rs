@@ -67,7 +67,7 @@ impl MapPlan {
     }
 
     /// From where every map looks.
-    pub fn views(&self, lights: &[Light], seen: Seen) -> Vec<FrameView> {
+    pub fn views(&self, lights: &[Light], seen: CameraView) -> Vec<FrameView> {
         let mut all = vec![bytemuck::Zeroable::zeroed(); self.maps];
         for (light, maps) in lights.iter().zip(&self.of_lights) {
             let Some((first, count)) = *maps else { continue };
@@ -79,7 +79,7 @@ impl MapPlan {
 
 /// What maps are to show: what a camera sees of a scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct CameraView {
     /// From where.
     pub camera: Camera,
     /// Columns of the image for each row.
@@ -89,11 +89,11 @@ pub struct Seen {
 }
 
 /// From where the maps of a light look, `size` texels wide each.
-pub fn views(light: &Light, size: usize, seen: Seen) -> Vec<FrameView> {
+pub fn views(light: &Light, size: usize, seen: CameraView) -> Vec<FrameView> {
     (0..map_count(light)).map(|map| view(light, map, size, seen)).collect()
 }
 
-fn view(light: &Light, map: usize, size: usize, seen: Seen) -> FrameView {
+fn view(light: &Light, map: usize, size: usize, seen: CameraView) -> FrameView {
     let near = 1e-4 * seen.bounds.diagonal();
     // Two texels on each side for the filter.
     let wider = 1.0 + 4.0 / size as f32;
@@ -154,7 +154,7 @@ fn looking(direction: Vec3) -> Mat3 {
 
 /// The sphere around a cascade's slice of what a camera sees, as far as the scene goes; the last around all
 /// of the scene, for what is lit where the camera does not look.
-fn slice(cascade: usize, Seen { camera, aspect, bounds }: Seen) -> (Vec3, f32) {
+fn slice(cascade: usize, CameraView { camera, aspect, bounds }: CameraView) -> (Vec3, f32) {
     if cascade + 1 == CASCADES {
         return (bounds.centre(), rounded_up(0.5 * bounds.diagonal()));
     }
@@ -213,7 +213,7 @@ mod tests {
         };
         let plan = MapPlan::new(&[sun], 512);
         let camera = Camera::look_at(Vec3::new(-15.0, 2.0, 3.0), Vec3::new(10.0, 1.0, 0.0));
-        let seen = Seen { camera, aspect: 1.5, bounds };
+        let seen = CameraView { camera, aspect: 1.5, bounds };
         let views = plan.views(&[sun], seen);
         assert_eq!(views.len(), CASCADES);
         // Points of the image's edge at depths up to the scene's end are in some cascade.
@@ -230,7 +230,7 @@ mod tests {
         }
         assert!(views.windows(2).all(|pair| pair[0].scale_x > pair[1].scale_x), "the first is the finest");
         let beside = Camera { position: camera.position + Vec3::new(0.013, 0.0, 0.007), ..camera };
-        for (a, b) in views.iter().zip(plan.views(&[sun], Seen { camera: beside, ..seen })) {
+        for (a, b) in views.iter().zip(plan.views(&[sun], CameraView { camera: beside, ..seen })) {
             let texel = 2.0 / (a.scale_x * a.width as f32);
             let way = Vec3::from_slice(&b.eye[..3]) - Vec3::from_slice(&a.eye[..3]);
             let texels = Vec3::from_slice(&a.right[..3]).dot(way) / texel;

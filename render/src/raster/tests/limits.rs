@@ -17,8 +17,8 @@ fn least() -> Gpu {
     Gpu { device, queue, info: gpu.info }
 }
 
-fn settings(height: usize, width: usize) -> Settings {
-    Settings {
+fn settings(height: usize, width: usize) -> RasterSettings {
+    RasterSettings {
         height,
         width,
         attributes: vec![Attribute::Light, Attribute::Diffuse, Attribute::Valid],
@@ -44,7 +44,7 @@ fn above() -> Camera {
 #[test]
 fn where_no_light_is_asked_for_nothing_is_said_of_shadows() {
     let gpu = Gpu::new().expect("an adapter");
-    let settings = Settings { attributes: vec![Attribute::Valid], ..settings(8, 8) };
+    let settings = RasterSettings { attributes: vec![Attribute::Valid], ..settings(8, 8) };
     let frame = Frame::new(&gpu, &floor().into(), &settings).expect("a frame");
     assert!(frame.world().notes.is_empty(), "{:?}", frame.world().notes);
 }
@@ -170,7 +170,7 @@ fn shown(
     submitted: impl FnOnce(),
 ) -> Result<Vec<f32>, gpu::GpuError> {
     gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
-        Stage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
+        FrameStage::ALL.iter().for_each(|stage| frame.encode(*stage, encoder, None));
         midway();
     })?;
     submitted();

@@ -11,7 +11,8 @@ type Fault = fn(&mut [LightRecord], &mut [FrameView]);
 /// The g-buffer's light, by a pass that is told what a fault makes of the truth.
 fn lit(gpu: &Gpu, scene: &Scene, camera: &Camera, shadow_size: usize, fault: Fault) -> GBuffer {
     let attributes = vec![Attribute::Light, Attribute::DiffuseLight];
-    let settings = Settings { height: HEIGHT, width: WIDTH, attributes, shadow_size: Some(shadow_size) };
+    let settings =
+        RasterSettings { height: HEIGHT, width: WIDTH, attributes, shadow_size: Some(shadow_size) };
     let mut frame = Frame::new(gpu, &scene.clone().into(), &settings).expect("a frame");
     frame.set(&gpu.queue, 0.0, 0.0, camera);
     let (records, views) = (&frame.world().gpu_lights.records, &frame.world().gpu_lights.map_views);

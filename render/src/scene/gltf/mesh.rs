@@ -8,8 +8,8 @@ use super::{
     instances::{Instance, instances},
     morph::morphed,
     node::Hierarchy,
-    place::{Place, placed},
     skin::{Influences, joint_matrices, missing_joint, vertex_matrix},
+    vertex_transform::{VertexTransform, placed},
 };
 use glam::{Mat4, Vec3, Vec4};
 use gltf::{Semantic, accessor::Dimensions, mesh::Mode};
@@ -22,7 +22,7 @@ pub(super) fn read(file: &File<'_>, hierarchy: &Hierarchy, pose: &Pose) -> Resul
     let unique: BTreeMap<_, _> = instances.iter().map(|instance| (instance.key, instance)).collect();
     let parts: BTreeMap<_, _> = unique
         .into_par_iter()
-        .map(|(key, instance)| Ok((key, Part::read(file, instance)?)))
+        .map(|(key, instance)| Ok((key, RestPrimitive::read(file, instance)?)))
         .collect::<Result<_, SceneError>>()?;
     let skins: BTreeMap<_, _> = instances
         .iter()
@@ -44,13 +44,13 @@ pub(super) fn read(file: &File<'_>, hierarchy: &Hierarchy, pose: &Pose) -> Resul
 }
 
 /// A primitive at rest, in the space of its mesh.
-pub(super) struct Part {
+pub(super) struct RestPrimitive {
     pub rest: Mesh,
     /// What it follows where it has a skin; one for every four joints a vertex.
     pub influences: Vec<Influences>,
 }
 
-impl Part {
+impl RestPrimitive {
     pub fn read(file: &File<'_>, instance: &Instance<'_>) -> Result<Self, SceneError> {
         let vertices = instance.primitive.get(&Semantic::Positions).map_or(0, |accessor| accessor.count());
         let attributes = Attributes { file, instance, vertices };
@@ -108,10 +108,10 @@ impl Part {
         let mesh = match joints {
             Some(joints) if !self.influences.is_empty() => {
                 self.check_joints(file, joints.len())?;
-                placed(rest, |vertex| Place::new(vertex_matrix(&self.influences, joints, vertex)))
+                placed(rest, |vertex| VertexTransform::new(vertex_matrix(&self.influences, joints, vertex)))
             }
             _ => {
-                let place = Place::new(instance.world);
+                let place = VertexTransform::new(instance.world);
                 placed(rest, |_| place)
             }
         };

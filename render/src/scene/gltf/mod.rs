@@ -17,12 +17,12 @@ mod material;
 mod mesh;
 mod morph;
 mod node;
-mod place;
 mod posed;
 mod reach;
 mod rig;
 mod skin;
 mod texture;
+mod vertex_transform;
 mod warnings;
 
 pub use morph::MorphTarget;
@@ -83,8 +83,8 @@ pub fn rig(path: &Path) -> Result<Option<Rig>, SceneError> {
 pub fn moved(mesh: &Mesh, place: Mat4) -> Mesh {
     let turn = |way: &glam::Vec3| place.transform_vector3(*way);
     let displacements = mesh.displacements.iter().map(turn).collect();
-    let place = place::Place::new(place);
-    Mesh { displacements, ..place::placed(mesh, |_| place) }
+    let place = vertex_transform::VertexTransform::new(place);
+    Mesh { displacements, ..vertex_transform::placed(mesh, |_| place) }
 }
 
 /// When a glTF file's first animation begins and ends, seconds; `None` where nothing is animated.

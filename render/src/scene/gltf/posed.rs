@@ -1,7 +1,7 @@
 //! Meshes of what moves at any moment, on the CPU: for rays, which see what the GPU draws of the same rig.
 
-use super::place::{Place, placed};
 use super::rig::{Rig, RigPart, RigPose};
+use super::vertex_transform::{VertexTransform, placed};
 use crate::scene::finish::finish;
 use crate::scene::{Mesh, Meshes};
 use glam::Mat4;
@@ -44,10 +44,10 @@ impl RigPart {
             target.add_to(&mut rest, *weight);
         }
         if let [matrix] = matrices {
-            let place = Place::new(*matrix);
+            let place = VertexTransform::new(*matrix);
             return placed(&rest, |_| place);
         }
-        placed(&rest, |vertex| Place::new(mean(&self.influences[vertex], matrices)))
+        placed(&rest, |vertex| VertexTransform::new(mean(&self.influences[vertex], matrices)))
     }
 }
 

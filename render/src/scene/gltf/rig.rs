@@ -4,7 +4,7 @@
 use super::animation::Tracks;
 use super::document::File;
 use super::instances::{Instance, instances};
-use super::mesh::Part;
+use super::mesh::RestPrimitive;
 use super::morph::{MorphTarget, targets};
 use super::node::{Hierarchy, worlds};
 use super::skin::inverse_bind_matrices;
@@ -142,7 +142,7 @@ impl Rig {
 
 impl RigPart {
     fn read(file: &File<'_>, mesh: usize, instance: &Instance<'_>) -> Result<Self, SceneError> {
-        let part = Part::read(file, instance)?;
+        let part = RestPrimitive::read(file, instance)?;
         let targets = targets(file, &instance.primitive, &part.rest)?;
         let node = instance.node.index();
         let (matrices, influences) = match instance.node.skin() {

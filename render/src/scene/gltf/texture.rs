@@ -19,7 +19,7 @@ const UNREAD_ENDINGS: [&str; 6] = [".webp", ".avif", ".ktx", ".ktx2", ".basis", 
 /// The textures that materials read, in the order in which they were asked for.
 #[derive(Debug, Default)]
 pub(super) struct TextureList {
-    wanted: Vec<Wanted>,
+    wanted: Vec<TextureUse>,
     /// Textures of the file that were asked for and have no image that can be read.
     without_image: BTreeSet<usize>,
     /// Textures that are placed by coordinates that are not read, with the number of those.
@@ -28,7 +28,7 @@ pub(super) struct TextureList {
 
 /// One way of reading an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Wanted {
+struct TextureUse {
     image: usize,
     encoding: Encoding,
     wrap: [Wrap; 2],
@@ -53,7 +53,7 @@ impl TextureList {
             self.without_image.insert(texture.index());
             return None;
         };
-        let wanted = Wanted { image: image.index(), encoding, wrap, filter };
+        let wanted = TextureUse { image: image.index(), encoding, wrap, filter };
         let known = self.wanted.iter().position(|known| *known == wanted);
         let index = known.unwrap_or_else(|| {
             self.wanted.push(wanted);
@@ -98,7 +98,7 @@ impl TextureList {
         let encoded = indices.iter().map(|index| encoded(file, *index)).collect::<Result<Vec<_>, _>>()?;
         let images = decode::all(&encoded).map_err(|(place, what)| invalid(file, indices[place], &what))?;
         let images: BTreeMap<usize, Image> = indices.into_iter().zip(images).collect();
-        let texture = |Wanted { image, encoding, wrap, filter }| {
+        let texture = |TextureUse { image, encoding, wrap, filter }| {
             Arc::new(Texture::of(&images[&image], encoding, wrap).with_filter(filter))
         };
         Ok(self.wanted.into_iter().map(texture).collect())

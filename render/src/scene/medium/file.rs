@@ -30,12 +30,12 @@ const CELLS: usize = 64;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DensityFile {
     path: PathBuf,
-    source: Source,
+    source: DensitySource,
     bounds: Option<Bounds>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-enum Source {
+enum DensitySource {
     Grid(DensityGrid),
     Cells(Cells),
     Weather { weather: Weather, cells: usize },
@@ -86,7 +86,7 @@ impl DensityFile {
     pub fn read(path: &Path) -> Result<Self, MediumError> {
         let ends = |ending: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(ending));
         if ends("vol") {
-            let source = Source::Grid(DensityGrid::read_vol(path, None)?);
+            let source = DensitySource::Grid(DensityGrid::read_vol(path, None)?);
             return Ok(Self { path: path.to_owned(), source, bounds: None });
         }
         let invalid = |what: String| MediumError::File { path: path.to_owned(), what };
@@ -99,11 +99,13 @@ impl DensityFile {
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = |name: &Path| file::beside(folder, Path::new(""), name).map_err(invalid);
         let source = match (array, volume, weather) {
-            (Some(array), None, None) => Source::Cells(array.read(&beside(&array.file)?)?),
+            (Some(array), None, None) => DensitySource::Cells(array.read(&beside(&array.file)?)?),
             (None, Some(Volume { file }), None) => {
-                Source::Grid(DensityGrid::read_vol(&beside(&file)?, None)?)
+                DensitySource::Grid(DensityGrid::read_vol(&beside(&file)?, None)?)
             }
-            (None, None, Some(DescribedWeather { cells, weather })) => Source::Weather { weather, cells },
+            (None, None, Some(DescribedWeather { cells, weather })) => {
+                DensitySource::Weather { weather, cells }
+            }
             _ => return Err(invalid("needs one of [array], [volume] and [weather]".to_owned())),
         };
         Ok(Self {
@@ -120,8 +122,10 @@ impl DensityFile {
     pub fn grid(&self, scene: Bounds, time: f32) -> Result<DensityGrid, MediumError> {
         let bounds = self.bounds.unwrap_or(scene);
         match &self.source {
-            Source::Grid(grid) => self.bounds.map_or_else(|| Ok(grid.clone()), |bounds| grid.moved(bounds)),
-            Source::Cells(Cells { size, values }) => {
+            DensitySource::Grid(grid) => {
+                self.bounds.map_or_else(|| Ok(grid.clone()), |bounds| grid.moved(bounds))
+            }
+            DensitySource::Cells(Cells { size, values }) => {
                 let of_file = |error: MediumError| match error {
                     MediumError::Density { .. } => {
                         MediumError::File { path: self.path.clone(), what: error.to_string() }
@@ -130,7 +134,7 @@ impl DensityFile {
                 };
                 DensityGrid::new(bounds, *size, values.clone()).map_err(of_file)
             }
-            Source::Weather { weather, cells } => weather.grid(bounds, *cells, time),
+            DensitySource::Weather { weather, cells } => weather.grid(bounds, *cells, time),
         }
     }
 }

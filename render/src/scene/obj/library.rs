@@ -22,7 +22,7 @@ const POSITIVE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
 /// A material as a library states it; what it does not state is nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Stated {
+pub(super) struct MtlMaterial {
     pub name: String,
     pub diffuse: Option<Vec3>,
     pub specular: Option<Vec3>,
@@ -41,14 +41,14 @@ pub(super) struct Stated {
 
 /// The materials of a library, in its order; of those with the same name the last one. Names are with what
 /// may be a comment.
-pub(super) fn parse(text: &str, files: &Files, warnings: &mut Warnings) -> Vec<Stated> {
-    let mut materials: Vec<Stated> = Vec::new();
+pub(super) fn parse(text: &str, files: &Files, warnings: &mut Warnings) -> Vec<MtlMaterial> {
+    let mut materials: Vec<MtlMaterial> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
     let mut current = None;
     for (line, statement) in statements(text) {
         let (keyword, rest) = parts(&statement);
         if keyword == "newmtl" {
-            let stated = Stated { name: rest.to_owned(), ..Stated::default() };
+            let stated = MtlMaterial { name: rest.to_owned(), ..MtlMaterial::default() };
             let index = *known.entry(rest.to_owned()).or_insert(materials.len());
             match materials.get_mut(index) {
                 Some(before) => *before = stated,
@@ -66,7 +66,7 @@ pub(super) fn parse(text: &str, files: &Files, warnings: &mut Warnings) -> Vec<S
 }
 
 /// Says where an image of opacity would lie otherwise than that of colour: they are one texture.
-fn compare_placements(material: &Stated, warnings: &mut Warnings) {
+fn compare_placements(material: &MtlMaterial, warnings: &mut Warnings) {
     if let (Some(colour), Some(dissolve)) = (&material.diffuse_map, &material.dissolve_map)
         && colour.placement != dissolve.placement
     {
@@ -85,7 +85,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    fn read(&mut self, material: &mut Stated) {
+    fn read(&mut self, material: &mut MtlMaterial) {
         // Exporters do not agree on capital letters.
         match self.keyword.to_ascii_lowercase().as_str() {
             "kd" => material.diffuse = self.colour(SHARE).or(material.diffuse),

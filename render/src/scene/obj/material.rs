@@ -1,6 +1,6 @@
 //! What Phong materials become, and the images that they read.
 
-use super::library::Stated;
+use super::library::MtlMaterial;
 use super::map::Map;
 use crate::scene::decode::{self, Image};
 use crate::scene::file;
@@ -17,7 +17,7 @@ const CUTOFF: f32 = 0.5;
 /// A library's materials.
 pub(super) struct Library {
     pub path: PathBuf,
-    pub materials: Vec<Stated>,
+    pub materials: Vec<MtlMaterial>,
 }
 
 /// Materials and textures of some libraries, in their order.
@@ -114,7 +114,7 @@ impl Textures {
 }
 
 /// What a material says without textures.
-fn constants(stated: &Stated) -> Material {
+fn constants(stated: &MtlMaterial) -> Material {
     let alpha = stated.dissolve.unwrap_or(1.0);
     let emission_unless_stated = if stated.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO };
     Material {
@@ -135,7 +135,7 @@ fn constants(stated: &Stated) -> Material {
 /// Perceptual roughness from a Phong exponent n: the microfacet width alpha is sqrt(2 / (n + 2)) (Walter et
 /// al. 2007, "Microfacet Models for Refraction"), and glTF's roughness its square root. No highlight is as
 /// rough as can be.
-fn roughness(stated: &Stated) -> f32 {
+fn roughness(stated: &MtlMaterial) -> f32 {
     let has_highlight = stated.specular.is_some_and(|specular| specular.max_element() > 0.0);
     let exponent = stated.exponent.filter(|_| has_highlight).unwrap_or(0.0);
     (2.0 / (exponent.max(0.0) + 2.0)).powf(0.25)
@@ -163,10 +163,10 @@ mod tests {
 
     #[test]
     fn a_sharp_highlight_is_smooth_and_none_is_rough() {
-        let stated = |specular, exponent| Stated {
+        let stated = |specular, exponent| MtlMaterial {
             specular: Some(Vec3::splat(specular)),
             exponent: Some(exponent),
-            ..Stated::default()
+            ..MtlMaterial::default()
         };
         assert_eq!(roughness(&stated(0.0, 100.0)), 1.0);
         assert!((roughness(&stated(0.5, 30.0)) - 0.5).abs() < 1e-6);

@@ -1,6 +1,6 @@
 //! The faces of a run as a triangle mesh.
 
-use super::parse::{Corner, NONE, Obj, Run};
+use super::parse::{Corner, FaceRun, NONE, Obj};
 use super::polygon::{Cutter, area_vector};
 use crate::scene::{MaterialId, Mesh};
 use deepshade_shaders::colour;
@@ -12,7 +12,7 @@ use std::collections::hash_map::Entry;
 ///
 /// What only some of the faces have, the others get so that they look as they would alone: flat normals, the
 /// first texel, white.
-pub(super) fn mesh(obj: &Obj, run: &Run, material: MaterialId) -> Mesh {
+pub(super) fn mesh(obj: &Obj, run: &FaceRun, material: MaterialId) -> Mesh {
     let has = |is_there: fn(&Corner) -> bool| run.corners.iter().any(is_there);
     let is_coloured = |corner: &Corner| colour_of(obj, *corner).is_some();
     let mut builder = Builder {

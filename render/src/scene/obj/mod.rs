@@ -45,7 +45,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let (mut materials, textures) = material::convert(&libraries)?;
     let ids = known::ids(&obj, &materials, &mut warnings);
     let without = MaterialId(materials.len() as u32);
-    let id = |run: &parse::Run| run.material.and_then(|material| ids[material]).unwrap_or(without);
+    let id = |run: &parse::FaceRun| run.material.and_then(|material| ids[material]).unwrap_or(without);
     if obj.runs.iter().any(|run| id(run) == without) {
         materials.push(Material { name: "none".to_owned(), ..Material::default() });
     }

@@ -21,7 +21,7 @@ pub(super) struct Corner {
 
 /// Faces of one object and one material.
 #[derive(Debug, Default, PartialEq, Eq)]
-pub(super) struct Run {
+pub(super) struct FaceRun {
     /// What the file calls the object or the group.
     pub name: String,
     /// Place in [`Obj::materials`].
@@ -49,7 +49,7 @@ pub(super) struct Obj {
     /// `v` up.
     pub uvs: Vec<Vec2>,
     pub normals: Vec<Vec3>,
-    pub runs: Vec<Run>,
+    pub runs: Vec<FaceRun>,
     /// Names that `usemtl` uses, each once, with what may be a comment; an empty one where it has none.
     pub materials: Vec<Named>,
     /// What follows `mtllib`: a name, or several, and maybe a comment.
@@ -75,7 +75,7 @@ pub(super) fn parse(text: &str, most: usize, warnings: &mut Warnings) -> Result<
         counts,
         warnings,
         obj: Obj::default(),
-        run: Run::default(),
+        run: FaceRun::default(),
         colours: Colours::default(),
         known: HashMap::new(),
     };
@@ -113,7 +113,7 @@ struct Reader<'a> {
     warnings: &'a mut Warnings,
     obj: Obj,
     /// Faces since the last object, group or material.
-    run: Run,
+    run: FaceRun,
     colours: Colours,
     /// Places of the names in [`Obj::materials`].
     known: HashMap<String, usize>,
@@ -255,7 +255,7 @@ impl Reader<'_> {
         if !self.run.sides.is_empty() {
             self.obj.runs.push(std::mem::take(&mut self.run));
         }
-        self.run = Run { name, material, ..Run::default() };
+        self.run = FaceRun { name, material, ..FaceRun::default() };
     }
 }
 

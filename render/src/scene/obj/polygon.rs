@@ -98,8 +98,8 @@ mod tests {
     #[test]
     fn a_notch_stays_empty_wherever_the_polygon_begins_and_however_it_lies() {
         let flat = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, -0.5], [-1.0, 1.0]];
-        type Place = fn(f32, f32) -> Vec3;
-        let places: [(Place, Vec3); 3] = [
+        type Embedding = fn(f32, f32) -> Vec3;
+        let places: [(Embedding, Vec3); 3] = [
             (|x, y| Vec3::new(x, y, 3.0), Vec3::Z),
             (|x, y| Vec3::new(7.0, x, y), Vec3::X),
             (|x, y| Vec3::new(y, 100.0, x), Vec3::Y),

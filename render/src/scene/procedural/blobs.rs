@@ -3,9 +3,9 @@
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{icosphere, torus};
-use super::stage::{Lot, Stage};
 use super::surface::{ground, isosurface, smooth_min};
 use super::sweep::{curve, tapered_tube};
 use glam::{Quat, Vec2, Vec3};
@@ -31,28 +31,28 @@ impl Limb {
 }
 
 /// Builds a garden of blobs.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let floor = Floor { seed: random.bits(), bump: random.within(0.1, 0.2), pitch: random.within(1.6, 3.2) };
-    let base = materials::paint(stage, random);
-    stage.add("floor", base, ground(Vec2::splat(2.0 * HALF), 110, -0.4, |x, z| floor.height(x, z)));
-    let skins = materials::several(6, materials::paint, stage, random);
-    let mut lot = Lot::new(skins);
+    let base = materials::paint(builder, random);
+    builder.add("floor", base, ground(Vec2::splat(2.0 * HALF), 110, -0.4, |x, z| floor.height(x, z)));
+    let skins = materials::several(6, materials::paint, builder, random);
+    let mut shapes = ShapesByMaterial::new(skins);
     for _ in 0..random.count(2, 3) {
         let body = merged(&floor, random);
-        lot.put(barnacles(&body, random.count(50, 110), random), random);
-        lot.put(body, random);
+        shapes.put(barnacles(&body, random.count(50, 110), random), random);
+        shapes.put(body, random);
     }
     for _ in 0..random.count(2, 4) {
-        lot.put(pierced(&floor, random), random);
+        shapes.put(pierced(&floor, random), random);
     }
     for _ in 0..random.count(22, 34) {
         let wrinkled = wrinkled(random);
-        lot.put(wrinkled.at(floor.place(random)), random);
+        shapes.put(wrinkled.at(floor.place(random)), random);
     }
     for _ in 0..random.count(4, 8) {
         let foot = floor.place(random);
         for _ in 0..random.count(4, 8) {
-            lot.put(tentacle(foot, random), random);
+            shapes.put(tentacle(foot, random), random);
         }
     }
     for _ in 0..random.count(80, 140) {
@@ -62,11 +62,11 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
         } else {
             torus(radius, 0.35 * radius, 24, 10).pitched(random.angle())
         };
-        lot.put(bead.at(floor.place(random) + Vec3::Y * 0.6 * radius), random);
+        shapes.put(bead.at(floor.place(random) + Vec3::Y * 0.6 * radius), random);
     }
-    lot.add_to(stage, "blobs");
-    stage.lamp(Vec3::new(0.0, 2.5, 0.0), random);
-    stage.sun(random);
+    shapes.add_to(builder, "blobs");
+    builder.lamp(Vec3::new(0.0, 2.5, 0.0), random);
+    builder.sun(random);
 }
 
 /// The floor's height: a field of soft bumps.

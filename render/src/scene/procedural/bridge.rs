@@ -3,16 +3,16 @@
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, cylinder, icosphere, sphere};
-use super::stage::Stage;
 use super::surface::ground;
 use super::sweep::{rod, tube};
 use crate::scene::MaterialId;
 use glam::{Vec2, Vec3};
 
 /// Sizes of a bridge along x.
-struct Plan {
+struct BridgeSizes {
     /// Half the length between the abutments.
     half: f32,
     /// Half the width of the deck.
@@ -24,7 +24,7 @@ struct Plan {
     seed: u32,
 }
 
-impl Plan {
+impl BridgeSizes {
     /// The x of a panel point.
     fn x(&self, panel: usize) -> f32 {
         self.half * (2.0 * panel as f32 / self.panels as f32 - 1.0)
@@ -40,38 +40,38 @@ impl Plan {
 }
 
 /// Builds a bridge.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let panels = random.count(7, 11);
-    let plan = Plan {
+    let plan = BridgeSizes {
         half: 0.5 * panels as f32 * random.within(0.95, 1.2),
         wide: random.within(1.0, 1.5),
         deep: random.within(2.0, 3.2),
         panels,
         seed: random.bits(),
     };
-    gorge(&plan, stage, random);
-    let steel = materials::metal(stage, random);
-    let wood = materials::wood(stage, random);
-    let paint = materials::paint(stage, random);
-    abutments(&plan, stage, random);
-    stage.add("deck", wood, deck(&plan, random));
+    gorge(&plan, builder, random);
+    let steel = materials::metal(builder, random);
+    let wood = materials::wood(builder, random);
+    let paint = materials::paint(builder, random);
+    abutments(&plan, builder, random);
+    builder.add("deck", wood, deck(&plan, random));
     match random.count(0, 2) {
-        0 => truss(&plan, [steel, paint], stage, random),
-        1 => trestle(&plan, wood, stage),
-        _ => suspended(&plan, [steel, paint], stage, random),
+        0 => truss(&plan, [steel, paint], builder, random),
+        1 => trestle(&plan, wood, builder),
+        _ => suspended(&plan, [steel, paint], builder, random),
     }
     if random.chance(0.6) {
-        stage.add("rails", steel, track(&plan));
+        builder.add("rails", steel, track(&plan));
     }
-    stage.sun(random);
+    builder.sun(random);
 }
 
 /// Banks and a bed with boulders.
-fn gorge(plan: &Plan, stage: &mut Stage, random: &mut Random) {
+fn gorge(plan: &BridgeSizes, builder: &mut SceneBuilder, random: &mut Random) {
     let size = Vec2::new(2.0 * plan.half + 2.4, 2.0 * plan.wide + 2.6);
-    let earth = materials::earth(stage, random);
-    stage.add("ground", earth, ground(size, 100, -plan.deep - 0.6, |x, z| plan.ground(x, z)));
-    let stone = materials::stone(stage, random);
+    let earth = materials::earth(builder, random);
+    builder.add("ground", earth, ground(size, 100, -plan.deep - 0.6, |x, z| plan.ground(x, z)));
+    let stone = materials::stone(builder, random);
     let boulders = (0..random.count(70, 120)).map(|_| {
         let (x, z) = (random.within(-0.48, 0.48) * size.x, random.within(-0.48, 0.48) * size.y);
         let (radius, seed) = (random.within(0.06, 0.4) * random.within(0.5, 1.0), random.bits());
@@ -79,12 +79,12 @@ fn gorge(plan: &Plan, stage: &mut Stage, random: &mut Random) {
             .bent(|p, n| p + n * radius * 0.4 * noise::fbm(seed, p * (1.5 / radius), 3));
         rock.scaled(1.0, 0.75, 1.0).turned(random.angle()).moved(x, plan.ground(x, z) + 0.25 * radius, z)
     });
-    stage.add("boulders", stone, boulders.collect());
+    builder.add("boulders", stone, boulders.collect());
 }
 
 /// Courses of rough blocks at both ends, with wings.
-fn abutments(plan: &Plan, stage: &mut Stage, random: &mut Random) {
-    let stone = materials::stone(stage, random);
+fn abutments(plan: &BridgeSizes, builder: &mut SceneBuilder, random: &mut Random) {
+    let stone = materials::stone(builder, random);
     let course = 0.3;
     let mut shape = Shape::default();
     for side in [-1.0, 1.0] {
@@ -115,11 +115,11 @@ fn abutments(plan: &Plan, stage: &mut Stage, random: &mut Random) {
             .at_each([-1.0, 1.0].map(|s| Vec3::new(side * (plan.half + 0.85), -0.22, s * (plan.wide + 0.2))));
         shape.join(cap + bearing + pillars);
     }
-    stage.add("abutments", stone, shape);
+    builder.add("abutments", stone, shape);
 }
 
 /// Stringers, cross beams and uneven planks.
-fn deck(plan: &Plan, random: &mut Random) -> Shape {
+fn deck(plan: &BridgeSizes, random: &mut Random) -> Shape {
     let end = plan.half + 0.7;
     let planks = (2.0 * end / 0.2) as usize;
     let mut shape = Shape::default();
@@ -145,7 +145,7 @@ fn deck(plan: &Plan, random: &mut Random) -> Shape {
 }
 
 /// Two rails on sleepers.
-fn track(plan: &Plan) -> Shape {
+fn track(plan: &BridgeSizes) -> Shape {
     let end = plan.half + 0.7;
     let sleepers = (2.0 * end / 0.4) as usize;
     let sleeper = bevelled_box(0.14, 0.08, 1.5, 0.01);
@@ -189,7 +189,12 @@ fn gusset(at: Vec3, size: f32) -> Shape {
 }
 
 /// Side trusses (Pratt or Warren) with bracing below the top.
-fn truss(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random: &mut Random) {
+fn truss(
+    plan: &BridgeSizes,
+    [steel, paint]: [MaterialId; 2],
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) {
     let (height, size, warren) = (random.within(1.5, 2.1), random.within(0.13, 0.18), random.chance(0.5));
     let arched = random.chance(0.4);
     let top = |panel: usize| {
@@ -220,7 +225,7 @@ fn truss(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random
         side.join(gusset(low(panel), size));
     }
     let z = plan.wide + 0.15;
-    stage.add("trusses", paint, side.at_each([-z, z].map(|z| Vec3::Z * z)));
+    builder.add("trusses", paint, side.at_each([-z, z].map(|z| Vec3::Z * z)));
     let mut bracing = Shape::default();
     for panel in 1..plan.panels {
         let (left, right) = (top(panel) - Vec3::Z * z, top(panel) + Vec3::Z * z);
@@ -239,11 +244,11 @@ fn truss(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random
             rod(a - Vec3::Z * z, b + Vec3::Z * z, 0.02, 7) + rod(a + Vec3::Z * z, b - Vec3::Z * z, 0.02, 7),
         );
     }
-    stage.add("bracing", steel, bracing + railing(plan, 0.95 * plan.wide));
+    builder.add("bracing", steel, bracing + railing(plan, 0.95 * plan.wide));
 }
 
 /// Rails on posts along both sides.
-fn railing(plan: &Plan, z: f32) -> Shape {
+fn railing(plan: &BridgeSizes, z: f32) -> Shape {
     let posts = plan.panels * 3;
     let mut shape = Shape::default();
     for side in [-z, z] {
@@ -259,7 +264,7 @@ fn railing(plan: &Plan, z: f32) -> Shape {
 }
 
 /// Bents of leaning posts down to the ground, braced crosswise, with guard rails above.
-fn trestle(plan: &Plan, wood: MaterialId, stage: &mut Stage) {
+fn trestle(plan: &BridgeSizes, wood: MaterialId, builder: &mut SceneBuilder) {
     let post = |x: f32, z: f32| {
         let foot = Vec3::new(x, 0.0, 1.5 * z);
         (Vec3::new(x, -0.33, z), foot.with_y(plan.ground(foot.x, foot.z) - 0.15))
@@ -317,11 +322,16 @@ fn trestle(plan: &Plan, wood: MaterialId, stage: &mut Stage) {
             shape.join(beam(Vec3::new(-plan.half, y, z), Vec3::new(plan.half, y, z), 0.1, 0.09));
         }
     }
-    stage.add("trestle", wood, shape);
+    builder.add("trestle", wood, shape);
 }
 
 /// Towers, cables in a parabola, hangers with clamps, and stiffening trusses.
-fn suspended(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, random: &mut Random) {
+fn suspended(
+    plan: &BridgeSizes,
+    [steel, paint]: [MaterialId; 2],
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) {
     let (tall, low) = (random.within(2.2, 3.0), random.within(0.35, 0.6));
     let tower_x = 0.82 * plan.half;
     let z = plan.wide + 0.12;
@@ -398,7 +408,7 @@ fn suspended(plan: &Plan, [steel, paint]: [MaterialId; 2], stage: &mut Stage, ra
             );
         }
     }
-    stage.add("cables", steel, cables);
-    stage.add("towers", paint, towers);
-    stage.add("stiffening", steel, stiffening);
+    builder.add("cables", steel, cables);
+    builder.add("towers", paint, towers);
+    builder.add("stiffening", steel, stiffening);
 }

@@ -3,9 +3,9 @@
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{icosphere, torus};
-use super::stage::{Lot, Stage};
 use super::surface::{isosurface, sheet, smooth_min};
 use super::sweep::{circle, lathe, sweep};
 use glam::{Vec2, Vec3};
@@ -101,11 +101,11 @@ impl Hollow {
 }
 
 /// Builds a cave.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let hollow = Hollow::drawn(random);
-    let rock = materials::stone(stage, random);
-    stage.add("rock", rock, isosurface(-HALF, HALF, 0.09, |point| hollow.air(point)));
-    let mut drip = Lot::new(materials::several(2, materials::marble, stage, random));
+    let rock = materials::stone(builder, random);
+    builder.add("rock", rock, isosurface(-HALF, HALF, 0.09, |point| hollow.air(point)));
+    let mut drip = ShapesByMaterial::new(materials::several(2, materials::marble, builder, random));
     for _ in 0..random.count(60, 110) {
         let upwards = random.chance(0.6);
         if let Some(foot) = hollow.surface(upwards, random) {
@@ -118,14 +118,14 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
             drip.put(flowstone_curtain(random).at(foot + Vec3::Y * 0.1), random);
         }
     }
-    drip.add_to(stage, "dripstones");
-    let glow = materials::paint(stage, random);
-    stage.add("crystals", glow, scattered(&hollow, random.count(8, 16), random, crystals));
-    stage.add("rubble", rock, scattered(&hollow, random.count(60, 100), random, rubble));
-    let pool = materials::marble(stage, random);
-    stage.add("pools", pool, scattered(&hollow, random.count(4, 8), random, pool_rim));
-    stage.lamp(hollow.chambers[0].0, random);
-    stage.lamp(hollow.chambers[1].0, random);
+    drip.add_to(builder, "dripstones");
+    let glow = materials::paint(builder, random);
+    builder.add("crystals", glow, scattered(&hollow, random.count(8, 16), random, crystals));
+    builder.add("rubble", rock, scattered(&hollow, random.count(60, 100), random, rubble));
+    let pool = materials::marble(builder, random);
+    builder.add("pools", pool, scattered(&hollow, random.count(4, 8), random, pool_rim));
+    builder.lamp(hollow.chambers[0].0, random);
+    builder.lamp(hollow.chambers[1].0, random);
 }
 
 /// Things on the floor.

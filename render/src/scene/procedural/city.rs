@@ -2,9 +2,9 @@
 
 use super::materials;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, block, cuboid, cylinder, frustum, icosphere, pipe, sphere};
-use super::stage::{Lot, Stage};
 use super::sweep::{extrude, rod, tube};
 use crate::scene::MaterialId;
 use glam::{Affine3A, Quat, Vec2, Vec3};
@@ -33,13 +33,13 @@ struct Style {
 }
 
 /// Builds some blocks.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let looks = Looks {
-        walls: materials::several(4, materials::masonry, stage, random),
-        trim: materials::plaster(stage, random),
-        metal: materials::metal(stage, random),
-        roofs: materials::several(2, materials::tiles, stage, random),
-        glass: materials::metal(stage, random),
+        walls: materials::several(4, materials::masonry, builder, random),
+        trim: materials::plaster(builder, random),
+        metal: materials::metal(builder, random),
+        roofs: materials::several(2, materials::tiles, builder, random),
+        glass: materials::metal(builder, random),
     };
     let street = random.within(3.5, 5.5);
     let columns = (0..3).map(|_| random.within(5.0, 8.0)).collect::<Vec<_>>();
@@ -54,27 +54,34 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
             // nooks.
             let size = Vec2::new(width - random.within(0.0, 0.8), depth - random.within(0.0, 0.8));
             let middle = corner + 0.5 * Vec2::new(*width, *depth);
-            plot(middle, Vec2::new(*width, *depth), size, &looks, stage, random);
+            plot(middle, Vec2::new(*width, *depth), size, &looks, builder, random);
             corner.x += width + street;
         }
         corner.y += depth + street;
     }
-    let asphalt = materials::stone(stage, random);
+    let asphalt = materials::stone(builder, random);
     let margin = total + Vec2::splat(2.6);
-    stage.add("street", asphalt, cuboid(margin.x, 0.3, margin.y).moved(0.0, -0.3, 0.0));
-    let mut lot = Lot::new(materials::several(4, materials::paint, stage, random));
-    parked(total, street, &columns, &mut lot, random);
-    lot.add_to(stage, "cars");
-    stage.sun(random);
+    builder.add("street", asphalt, cuboid(margin.x, 0.3, margin.y).moved(0.0, -0.3, 0.0));
+    let mut shapes = ShapesByMaterial::new(materials::several(4, materials::paint, builder, random));
+    parked(total, street, &columns, &mut shapes, random);
+    shapes.add_to(builder, "cars");
+    builder.sun(random);
 }
 
 /// A house with its pavement and what stands on it.
-fn plot(middle: Vec2, plot: Vec2, size: Vec2, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn plot(
+    middle: Vec2,
+    plot: Vec2,
+    size: Vec2,
+    looks: &Looks,
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) {
     let at = Vec3::new(middle.x, 0.15, middle.y);
     let pavement = bevelled_box(plot.x + 1.8, 0.15, plot.y + 1.8, 0.03);
-    stage.add("pavement", looks.trim, pavement.at(at - Vec3::Y * 0.15));
+    builder.add("pavement", looks.trim, pavement.at(at - Vec3::Y * 0.15));
     let floors = random.count(2, 4);
-    house(at, size, floors, looks, stage, random);
+    house(at, size, floors, looks, builder, random);
     let edge = 0.5 * plot + Vec2::splat(0.65);
     let mut street = Shape::default();
     for x in [-edge.x, edge.x] {
@@ -89,7 +96,7 @@ fn plot(middle: Vec2, plot: Vec2, size: Vec2, looks: &Looks, stage: &mut Stage, 
     }
     let bin = pipe(0.28, 0.25, 0.8, 16) + cylinder(0.26, 0.7, 16);
     street.join(bin.moved(random.within(-0.4, 0.4) * plot.x, 0.0, 0.5 * size.y + 0.45));
-    stage.add("furniture", looks.metal, street.at(at));
+    builder.add("furniture", looks.metal, street.at(at));
 }
 
 fn lamp_post() -> Shape {
@@ -98,7 +105,14 @@ fn lamp_post() -> Shape {
 }
 
 /// A house: core, facades and roof.
-fn house(at: Vec3, size: Vec2, floors: usize, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn house(
+    at: Vec3,
+    size: Vec2,
+    floors: usize,
+    looks: &Looks,
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) {
     let height = floors as f32 * STOREY;
     let wall = random.pick(&looks.walls);
     let style = Style {
@@ -112,7 +126,7 @@ fn house(at: Vec3, size: Vec2, floors: usize, looks: &Looks, stage: &mut Stage, 
     // The facades stand this far in front of the core, so deep are the windows.
     let depth = random.within(0.22, 0.4);
     let core = size - Vec2::splat(2.0 * depth);
-    stage.add("core", looks.glass, cuboid(core.x, height, core.y).at(at));
+    builder.add("core", looks.glass, cuboid(core.x, height, core.y).at(at));
     let mut parts = Facade::default();
     for side in 0..4 {
         let turn = Quat::from_rotation_y(0.5 * PI * side as f32);
@@ -124,14 +138,14 @@ fn house(at: Vec3, size: Vec2, floors: usize, looks: &Looks, stage: &mut Stage, 
         parts.trim.join(facade.trim.transformed(place));
         parts.metal.join(facade.metal.transformed(place));
     }
-    stage.add("facades", wall, parts.wall);
-    stage.add("trim", looks.trim, parts.trim);
-    stage.add("metal", looks.metal, parts.metal);
+    builder.add("facades", wall, parts.wall);
+    builder.add("trim", looks.trim, parts.trim);
+    builder.add("metal", looks.metal, parts.metal);
     let top = at + Vec3::Y * height;
     if random.chance(0.5) {
-        flat_roof(top, size, wall, looks, stage, random);
+        flat_roof(top, size, wall, looks, builder, random);
     } else {
-        gabled_roof(top, size, wall, looks, stage, random);
+        gabled_roof(top, size, wall, looks, builder, random);
     }
 }
 
@@ -271,7 +285,14 @@ fn shutters(half: f32, height: f32) -> Shape {
 }
 
 /// A parapet around chimneys, tanks, ducts and an exit.
-fn flat_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn flat_roof(
+    top: Vec3,
+    size: Vec2,
+    wall: MaterialId,
+    looks: &Looks,
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) {
     let (x, z) = (0.5 * size.x, 0.5 * size.y);
     let mut walls = cuboid(size.x, 0.2, size.y);
     for s in [-1.0, 1.0] {
@@ -279,13 +300,13 @@ fn flat_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut
         walls.join(cuboid(0.2, 0.7, size.y - 0.4).moved(s * (x - 0.1), 0.2, 0.0));
     }
     walls.join(cuboid(2.0, 2.2, 1.8).moved(random.within(-0.4, 0.4) * x, 0.2, -0.4 * z));
-    stage.add("roof", wall, walls.at(top));
+    builder.add("roof", wall, walls.at(top));
     let mut trim = bevelled_box(size.x + 0.5, 0.16, size.y + 0.5, 0.05).moved(0.0, -0.16, 0.0);
     for s in [-1.0, 1.0] {
         trim.join(cuboid(size.x + 0.1, 0.06, 0.3).moved(0.0, 0.9, s * (z - 0.1)));
         trim.join(cuboid(0.3, 0.06, size.y - 0.4).moved(s * (x - 0.1), 0.9, 0.0));
     }
-    stage.add("cornice", looks.trim, trim.at(top));
+    builder.add("cornice", looks.trim, trim.at(top));
     let mut metal = Shape::default();
     let pieces = random.count(2, 4);
     for i in 0..pieces {
@@ -301,7 +322,7 @@ fn flat_roof(top: Vec3, size: Vec2, wall: MaterialId, looks: &Looks, stage: &mut
             ),
         });
     }
-    stage.add("plant", looks.metal, metal.at(top));
+    builder.add("plant", looks.metal, metal.at(top));
 }
 
 fn water_tank() -> Shape {
@@ -322,7 +343,7 @@ fn gabled_roof(
     size: Vec2,
     wall: MaterialId,
     looks: &Looks,
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     random: &mut Random,
 ) {
     let (half, slope) = (0.5 * size.y, random.within(0.6, 1.1));
@@ -375,20 +396,20 @@ fn gabled_roof(
             .at_each([-0.18, 0.18].map(|x| Vec3::new(x, 1.3 + z.abs() * slope, 0.0)));
         walls.join((stack + pots).moved(x, rise - 0.4 - z.abs() * slope, z));
     }
-    stage.add("gable", wall, walls.at(top));
-    stage.add("tiles", random.pick(&looks.roofs), tiles.at(top));
-    stage.add("eaves", looks.trim, trim.at(top));
+    builder.add("gable", wall, walls.at(top));
+    builder.add("tiles", random.pick(&looks.roofs), tiles.at(top));
+    builder.add("eaves", looks.trim, trim.at(top));
 }
 
 /// Cars and trees in the streets that run along z.
-fn parked(total: Vec2, street: f32, columns: &[f32], lot: &mut Lot, random: &mut Random) {
+fn parked(total: Vec2, street: f32, columns: &[f32], shapes: &mut ShapesByMaterial, random: &mut Random) {
     let mut x = -0.5 * total.x;
     for width in &columns[..columns.len() - 1] {
         x += width + 0.5 * street;
         let mut z = -0.5 * total.y + 2.5;
         while z < 0.5 * total.y - 2.0 {
             if random.chance(0.75) {
-                lot.put(
+                shapes.put(
                     car(random).turned(random.within(-0.05, 0.05)).moved(
                         x + random.within(-0.2, 0.2),
                         0.0,
@@ -400,7 +421,7 @@ fn parked(total: Vec2, street: f32, columns: &[f32], lot: &mut Lot, random: &mut
                 let crown =
                     icosphere(0.8, 3).bent(|p, n| p + n * 0.25 * super::noise::fbm(z as u32 + 7, p * 3.0, 3));
                 let tree = frustum(0.14, 0.1, 2.4, 8) + crown.moved(0.0, 2.7, 0.0) + pipe(0.5, 0.4, 0.3, 16);
-                lot.put(tree.moved(x, 0.0, z), random);
+                shapes.put(tree.moved(x, 0.0, z), random);
             }
             z += random.within(4.6, 6.5);
         }

@@ -3,16 +3,16 @@
 use super::furniture::turned_post;
 use super::materials;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{bevelled_box, block, cuboid, sphere, torus};
-use super::stage::Stage;
 use super::surface::sheet;
 use super::sweep::{circle, extrude, lathe, sweep, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Sizes of a hall.
-struct Plan {
+struct HallSizes {
     /// Bays along x and z.
     bays: [usize; 2],
     /// Distance of columns.
@@ -27,7 +27,7 @@ struct Plan {
     pointed: bool,
 }
 
-impl Plan {
+impl HallSizes {
     fn drawn(random: &mut Random) -> Self {
         let bay = random.within(1.9, 2.6);
         let pointed = random.chance(0.5);
@@ -78,30 +78,30 @@ impl Plan {
 }
 
 /// Builds a hall.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    let plan = Plan::drawn(random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    let plan = HallSizes::drawn(random);
     let [stone, wall, vault, floor] =
         [materials::stone, materials::masonry, materials::plaster, materials::flooring]
-            .map(|make| make(stage, random));
+            .map(|make| make(builder, random));
     let column = column(&plan, random);
-    stage.add("columns", stone, column.at_each(plan.columns()));
-    stage.add("arches", wall, arches(&plan));
-    stage.add("mouldings", stone, mouldings(&plan));
-    stage.add("vaults", vault, plan.middles().map(|middle| groin_vault(&plan).at(middle)).collect());
-    stage.add("ribs", stone, plan.middles().map(|middle| ribs(&plan).at(middle)).collect());
-    stage.add("floor", floor, floor_and_steps(&plan, random));
-    stage.add("roof", wall, roof(&plan));
-    stage.add("back", wall, back_wall(&plan, random));
-    stage.add("balustrades", stone, balustrades(&plan, random));
+    builder.add("columns", stone, column.at_each(plan.columns()));
+    builder.add("arches", wall, arches(&plan));
+    builder.add("mouldings", stone, mouldings(&plan));
+    builder.add("vaults", vault, plan.middles().map(|middle| groin_vault(&plan).at(middle)).collect());
+    builder.add("ribs", stone, plan.middles().map(|middle| ribs(&plan).at(middle)).collect());
+    builder.add("floor", floor, floor_and_steps(&plan, random));
+    builder.add("roof", wall, roof(&plan));
+    builder.add("back", wall, back_wall(&plan, random));
+    builder.add("balustrades", stone, balustrades(&plan, random));
     for _ in 0..3 {
         let middle = plan.column(random.count(0, plan.bays[0]), random.count(0, plan.bays[1]));
-        stage.lamp(middle + Vec3::new(0.4 * plan.bay, 0.8 * plan.spring, 0.4 * plan.bay), random);
+        builder.lamp(middle + Vec3::new(0.4 * plan.bay, 0.8 * plan.spring, 0.4 * plan.bay), random);
     }
-    stage.sun(random);
+    builder.sun(random);
 }
 
 /// A column with base, shaft and capital.
-fn column(plan: &Plan, random: &mut Random) -> Shape {
+fn column(plan: &HallSizes, random: &mut Random) -> Shape {
     let radius = random.within(0.13, 0.19);
     let mut shape = bevelled_box(0.46, 0.12, 0.46, 0.015);
     shape.join(torus(radius + 0.015, 0.035, 32, 12).moved(0.0, 0.155, 0.0));
@@ -164,7 +164,7 @@ fn turned_about(position: Vec3, angle: f32) -> Vec3 {
 }
 
 /// The points of an arch from left to right, x from its middle, y above the spring.
-fn arch_points(plan: &Plan, grown: f32) -> Vec<Vec2> {
+fn arch_points(plan: &HallSizes, grown: f32) -> Vec<Vec2> {
     (0..=20)
         .map(|i| -(PI * i as f32 / 20.0).cos())
         .map(|share| Vec2::new(share * (plan.half() + grown), plan.arch(share) + grown * (1.0 - share.abs())))
@@ -172,7 +172,7 @@ fn arch_points(plan: &Plan, grown: f32) -> Vec<Vec2> {
 }
 
 /// A wall with an arch in it, along x.
-fn arch(plan: &Plan) -> Shape {
+fn arch(plan: &HallSizes) -> Shape {
     let (side, top) = (0.5 * plan.bay, plan.top() - plan.spring);
     let mut outline = arch_points(plan, 0.0);
     outline.reverse();
@@ -187,7 +187,7 @@ fn arch(plan: &Plan) -> Shape {
 }
 
 /// Places a thing that spans x between all neighbouring columns.
-fn on_every_span(plan: &Plan, thing: &Shape) -> Shape {
+fn on_every_span(plan: &HallSizes, thing: &Shape) -> Shape {
     let half = 0.5 * plan.bay;
     let turned = thing.clone().turned(0.5 * PI);
     let mut shape = Shape::default();
@@ -205,12 +205,12 @@ fn on_every_span(plan: &Plan, thing: &Shape) -> Shape {
     shape
 }
 
-fn arches(plan: &Plan) -> Shape {
+fn arches(plan: &HallSizes) -> Shape {
     on_every_span(plan, &arch(plan))
 }
 
 /// Round mouldings along the arches' edges.
-fn mouldings(plan: &Plan) -> Shape {
+fn mouldings(plan: &HallSizes) -> Shape {
     let along = |grown: f32, z: f32| -> Vec<Vec3> {
         arch_points(plan, grown).iter().map(|point| Vec3::new(point.x, plan.spring + point.y, z)).collect()
     };
@@ -220,7 +220,7 @@ fn mouldings(plan: &Plan) -> Shape {
 }
 
 /// The ceiling of a bay: where two barrel vaults meet, the higher counts.
-fn groin_vault(plan: &Plan) -> Shape {
+fn groin_vault(plan: &HallSizes) -> Shape {
     let inner = 0.5 * (plan.bay - plan.wall);
     let height = |x: f32, z: f32| {
         let share = |v: f32| (v / inner).clamp(-1.0, 1.0);
@@ -231,7 +231,7 @@ fn groin_vault(plan: &Plan) -> Shape {
 }
 
 /// Diagonal ribs of a bay with a boss where they meet.
-fn ribs(plan: &Plan) -> Shape {
+fn ribs(plan: &HallSizes) -> Shape {
     let inner = 0.5 * (plan.bay - plan.wall);
     let path = |sign: f32| -> Vec<Vec3> {
         let shares = (0..=16).map(|i| -(PI * i as f32 / 16.0).cos());
@@ -246,12 +246,12 @@ fn ribs(plan: &Plan) -> Shape {
 }
 
 /// Half the length of the hall along x and z, to the middles of the outer columns.
-fn extent(plan: &Plan) -> Vec2 {
+fn extent(plan: &HallSizes) -> Vec2 {
     Vec2::new(plan.bays[0] as f32, plan.bays[1] as f32) * 0.5 * plan.bay
 }
 
 /// Steps all around, and flagstones of slightly different heights.
-fn floor_and_steps(plan: &Plan, random: &mut Random) -> Shape {
+fn floor_and_steps(plan: &HallSizes, random: &mut Random) -> Shape {
     let half = extent(plan) + Vec2::splat(0.35);
     let steps = random.count(2, 4);
     let mut shape = Shape::default();
@@ -274,7 +274,7 @@ fn floor_and_steps(plan: &Plan, random: &mut Random) -> Shape {
 }
 
 /// A slab on the walls with a cornice and a parapet of merlons.
-fn roof(plan: &Plan) -> Shape {
+fn roof(plan: &HallSizes) -> Shape {
     let half = extent(plan) + Vec2::splat(0.5 * plan.wall);
     let mut shape = Shape::default();
     for (out, y, height) in [(0.0, 0.0, 0.06), (0.06, 0.06, 0.06), (0.14, 0.12, 0.08)] {
@@ -300,7 +300,7 @@ fn roof(plan: &Plan) -> Shape {
 }
 
 /// A wall along one side with a niche in each bay and something in it.
-fn back_wall(plan: &Plan, random: &mut Random) -> Shape {
+fn back_wall(plan: &HallSizes, random: &mut Random) -> Shape {
     let half = 0.3 * plan.bay;
     let niche_top = plan.spring - 0.6;
     let z = plan.column(0, 0).z;
@@ -325,7 +325,7 @@ fn back_wall(plan: &Plan, random: &mut Random) -> Shape {
 }
 
 /// Balusters with a rail between the columns of the other sides, with gaps to walk through.
-fn balustrades(plan: &Plan, random: &mut Random) -> Shape {
+fn balustrades(plan: &HallSizes, random: &mut Random) -> Shape {
     let clear = plan.bay - 0.46;
     let count = (clear / 0.19) as usize;
     let post = turned_post(0.62, 0.065);

@@ -4,9 +4,9 @@ use super::cloth::{Cloth, Solid};
 use super::furniture::cushion;
 use super::materials;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{block, cylinder, rounded_box, sphere, torus};
-use super::stage::Stage;
 use super::surface::sheet;
 use super::sweep::{curve, rod, sweep, tube};
 use glam::{Vec2, Vec3};
@@ -15,25 +15,25 @@ use std::f32::consts::{PI, TAU};
 /// Distance of the draped groups.
 const CELL: f32 = 1.5;
 
-/// Builds a studio full of cloth.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+/// Builds a room full of cloth.
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let columns = random.count(2, 3);
     let half = 0.5 * CELL * columns as f32 + 0.2;
-    studio(half, stage, random);
+    room(half, builder, random);
     for column in 0..columns {
         for row in 0..2 {
             let x = (column as f32 + 0.5) * CELL - 0.5 * CELL * columns as f32;
             let middle = Vec3::new(x, 0.0, (row as f32 - 0.5) * CELL + 0.15) + jitter(random, 0.1);
             if row == 1 && random.chance(0.4) {
-                loose_things(middle, stage, random);
+                loose_things(middle, builder, random);
             } else {
-                draped_group(middle, stage, random);
+                draped_group(middle, builder, random);
             }
         }
     }
-    line_with_washing(half, stage, random);
-    stage.lamp(Vec3::new(0.0, 2.2, 1.0), random);
-    stage.sun(random);
+    line_with_washing(half, builder, random);
+    builder.lamp(Vec3::new(0.0, 2.2, 1.0), random);
+    builder.sun(random);
 }
 
 fn jitter(random: &mut Random, reach: f32) -> Vec3 {
@@ -42,20 +42,20 @@ fn jitter(random: &mut Random, reach: f32) -> Vec3 {
 }
 
 /// Floor with a rumpled rug, a wall, and curtains along it.
-fn studio(half: f32, stage: &mut Stage, random: &mut Random) {
+fn room(half: f32, builder: &mut SceneBuilder, random: &mut Random) {
     let (depth, height) = (CELL + 0.25, 2.2);
-    let floor = materials::flooring(stage, random);
-    stage.add("floor", floor, block(Vec3::new(-half, -0.08, -depth), Vec3::new(half, 0.0, depth + 0.15)));
-    let wall = materials::masonry(stage, random);
-    stage.add(
+    let floor = materials::flooring(builder, random);
+    builder.add("floor", floor, block(Vec3::new(-half, -0.08, -depth), Vec3::new(half, 0.0, depth + 0.15)));
+    let wall = materials::masonry(builder, random);
+    builder.add(
         "wall",
         wall,
         block(Vec3::new(-half, 0.0, -depth - 0.1), Vec3::new(half, height + 0.1, -depth)),
     );
-    let metal = materials::metal(stage, random);
+    let metal = materials::metal(builder, random);
     let z = 0.14 - depth;
     let rail = rod(Vec3::new(-half + 0.05, height, z), Vec3::new(half - 0.05, height, z), 0.018, 12);
-    stage.add(
+    builder.add(
         "rail",
         metal,
         rail + sphere(0.04, 16).at_each([-half + 0.05, half - 0.05].map(|x| Vec3::new(x, height - 0.04, z))),
@@ -63,14 +63,14 @@ fn studio(half: f32, stage: &mut Stage, random: &mut Random) {
     let mut left = 0.08 - half;
     while left < half - 0.4 {
         let width = random.within(0.6, 1.3).min(half - 0.08 - left);
-        let cloth = materials::cloth(stage, random);
+        let cloth = materials::cloth(builder, random);
         let tied = random.chance(0.4);
-        stage.add("curtain", cloth, curtain(width, height - 0.03, tied, random).moved(left, 0.0, z));
+        builder.add("curtain", cloth, curtain(width, height - 0.03, tied, random).moved(left, 0.0, z));
         let rings = (0..8).map(|i| Vec3::new(left + width * (i as f32 + 0.5) / 8.0, height - 0.008, z));
-        stage.add("rings", metal, torus(0.025, 0.005, 16, 6).rolled(0.5 * PI).at_each(rings));
+        builder.add("rings", metal, torus(0.025, 0.005, 16, 6).rolled(0.5 * PI).at_each(rings));
         left += width + random.within(0.02, 0.15);
     }
-    let rug = materials::cloth(stage, random);
+    let rug = materials::cloth(builder, random);
     let (fold, phase) = (random.within(3.0, 7.0), random.angle());
     let wavy = move |x: f32, z: f32| {
         let wave = (fold * x + 1.3 * (2.1 * z + phase).sin()).sin();
@@ -81,7 +81,7 @@ fn studio(half: f32, stage: &mut Stage, random: &mut Random) {
         let at = size * (Vec2::new(u, v) - Vec2::splat(0.5));
         Vec3::new(at.x, wavy(at.x, at.y), at.y + 0.2)
     });
-    stage.add("rug", rug, surface);
+    builder.add("rug", rug, surface);
 }
 
 /// A pleated curtain from x = 0 to `width` and from `height` down to just above the floor, gathered at its
@@ -100,16 +100,16 @@ fn curtain(width: f32, height: f32, tied: bool, random: &mut Random) -> Shape {
 }
 
 /// Some solids with a cloth thrown over them.
-fn draped_group(middle: Vec3, stage: &mut Stage, random: &mut Random) {
+fn draped_group(middle: Vec3, builder: &mut SceneBuilder, random: &mut Random) {
     let solids = group(random);
     let top = solids.iter().fold(0f32, |top, solid| top.max(solid.top()));
     let size = (1.1 * top + random.within(0.4, 0.7)).min(1.7);
     let mut cloth = Cloth::square(size, 34, Vec3::new(0.0, top + 0.03, 0.0), random.angle());
     cloth.settle(&solids, 95);
-    let body = materials::any(stage, random);
-    let fabric = materials::cloth(stage, random);
-    stage.add("body", body, solids.iter().map(Solid::shape).collect::<Shape>().at(middle));
-    stage.add("drape", fabric, cloth.shape(3).at(middle));
+    let body = materials::any(builder, random);
+    let fabric = materials::cloth(builder, random);
+    builder.add("body", body, solids.iter().map(Solid::shape).collect::<Shape>().at(middle));
+    builder.add("drape", fabric, cloth.shape(3).at(middle));
 }
 
 /// Solids that stand on the floor around the y axis.
@@ -215,25 +215,25 @@ fn steles(random: &mut Random) -> Vec<Solid> {
 }
 
 /// Cushions, folded blankets, rolls and rope on the floor.
-fn loose_things(middle: Vec3, stage: &mut Stage, random: &mut Random) {
-    let fabrics = materials::several(3, materials::cloth, stage, random);
+fn loose_things(middle: Vec3, builder: &mut SceneBuilder, random: &mut Random) {
+    let fabrics = materials::several(3, materials::cloth, builder, random);
     let fold = random.within(0.35, 0.5);
     let layers = random.count(3, 7);
     for i in 0..layers {
         let blanket = folded(fold * random.within(0.9, 1.0), 0.35, 0.055).turned(random.within(-0.08, 0.08));
-        stage.add("folded", fabrics[i % 3], blanket.at(middle + Vec3::new(-0.4, 0.056 * i as f32, -0.2)));
+        builder.add("folded", fabrics[i % 3], blanket.at(middle + Vec3::new(-0.4, 0.056 * i as f32, -0.2)));
     }
     let mut y = 0.0;
     for _ in 0..random.count(2, 4) {
         let thick = random.within(0.12, 0.2);
         let pillow = cushion(random.within(0.38, 0.5), random.within(0.35, 0.45), thick)
             .turned(random.within(-0.5, 0.5));
-        stage.add("cushion", random.pick(&fabrics), pillow.at(middle + Vec3::new(0.3, y, -0.25)));
+        builder.add("cushion", random.pick(&fabrics), pillow.at(middle + Vec3::new(0.3, y, -0.25)));
         y += 0.85 * thick;
     }
     for i in 0..random.count(2, 3) {
         let radius = random.within(0.06, 0.09);
-        stage.add(
+        builder.add(
             "roll",
             random.pick(&fabrics),
             roll(radius, 0.7).moved(0.19 * i as f32 - 0.3, radius + 0.01, 0.35).at(middle),
@@ -247,7 +247,11 @@ fn loose_things(middle: Vec3, stage: &mut Stage, random: &mut Random) {
         .enumerate()
         .map(|(i, point)| point + Vec3::Y * (0.014 + 0.0025 * i as f32))
         .collect();
-    stage.add("rope", fabrics[0], tube(&curve(&knots, 4), 0.013, 8).at(middle + Vec3::new(0.42, 0.0, 0.35)));
+    builder.add(
+        "rope",
+        fabrics[0],
+        tube(&curve(&knots, 4), 0.013, 8).at(middle + Vec3::new(0.42, 0.0, 0.35)),
+    );
 }
 
 /// A blanket folded twice: its edge shows the folds.
@@ -275,9 +279,9 @@ fn roll(radius: f32, length: f32) -> Shape {
 }
 
 /// A line between two posts with cloths pinned to it.
-fn line_with_washing(half: f32, stage: &mut Stage, random: &mut Random) {
+fn line_with_washing(half: f32, builder: &mut SceneBuilder, random: &mut Random) {
     let (height, z) = (random.within(1.5, 1.9), CELL + 0.22);
-    let metal = materials::metal(stage, random);
+    let metal = materials::metal(builder, random);
     let mut posts = Shape::default();
     for x in [0.1 - half, half - 0.1] {
         posts.join(
@@ -287,14 +291,14 @@ fn line_with_washing(half: f32, stage: &mut Stage, random: &mut Random) {
     let sag = |x: f32| height - 0.06 * (1.0 - (x / half).powi(2));
     let points: Vec<Vec3> =
         (0..=24).map(|i| (i as f32 / 12.0 - 1.0) * (half - 0.1)).map(|x| Vec3::new(x, sag(x), z)).collect();
-    stage.add("line", metal, posts + tube(&points, 0.006, 6));
+    builder.add("line", metal, posts + tube(&points, 0.006, 6));
     let mut x = 0.35 - half;
     while x < half - 0.8 {
         let size = random.within(0.5, 0.9);
         let mut cloth = Cloth::hanging(size, 23, Vec3::new(x, 0.0, z), sag);
         cloth.settle(&[], 60);
-        let fabric = materials::cloth(stage, random);
-        stage.add("washing", fabric, cloth.shape(3));
+        let fabric = materials::cloth(builder, random);
+        builder.add("washing", fabric, cloth.shape(3));
         x += size + random.within(0.08, 0.4);
     }
 }

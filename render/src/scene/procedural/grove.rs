@@ -3,9 +3,9 @@
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{beam, cylinder, frustum, icosphere};
-use super::stage::Stage;
 use super::surface::{ground, sheet};
 use super::sweep::{curve, lathe, tapered_tube};
 use crate::scene::MaterialId;
@@ -14,13 +14,13 @@ use std::f32::consts::PI;
 
 /// A rolling piece of ground.
 #[derive(Clone, Copy)]
-struct Land {
+struct Ground {
     seed: u32,
     size: f32,
     relief: f32,
 }
 
-impl Land {
+impl Ground {
     fn height(self, x: f32, z: f32) -> f32 {
         self.relief * noise::fbm(self.seed, Vec3::new(0.25 * x, 0.5, 0.25 * z), 5)
     }
@@ -38,38 +38,38 @@ impl Land {
 }
 
 /// Builds a grove.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    let land = Land { seed: random.bits(), size: random.within(6.0, 8.5), relief: random.within(0.4, 1.2) };
-    let earth = materials::earth(stage, random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    let land = Ground { seed: random.bits(), size: random.within(6.0, 8.5), relief: random.within(0.4, 1.2) };
+    let earth = materials::earth(builder, random);
     let soil = ground(Vec2::splat(land.size), 120, -0.2 - land.relief, |x, z| land.height(x, z));
-    stage.add("soil", earth, soil);
-    let bark = [materials::wood(stage, random), materials::stone(stage, random)];
+    builder.add("soil", earth, soil);
+    let bark = [materials::wood(builder, random), materials::stone(builder, random)];
     let trees = random.count(4, 7);
     for _ in 0..trees {
         let foot = land.at(land.place(random) * 0.85);
         let bark = random.pick(&bark);
         match random.count(0, 3) {
-            0 => conifer(foot, bark, stage, random),
-            _ => broadleaf(foot, bark, stage, random),
+            0 => conifer(foot, bark, builder, random),
+            _ => broadleaf(foot, bark, builder, random),
         }
     }
-    let green = materials::several(3, materials::foliage, stage, random);
-    stage.add("grass", green[0], grass(land, random));
-    stage.add("bushes", green[1], (0..random.count(4, 8)).map(|_| bush(land, random)).collect());
-    stage.add("ferns", green[2], (0..random.count(8, 20)).map(|_| fern(land, random)).collect());
-    let stone = materials::stone(stage, random);
-    stage.add("stones", stone, (0..random.count(12, 30)).map(|_| boulder(land, random)).collect());
-    let pale = materials::paint(stage, random);
-    stage.add("mushrooms", pale, (0..random.count(10, 30)).map(|_| mushroom(land, random)).collect());
-    stage.add("fence", bark[0], fence(land, random));
+    let green = materials::several(3, materials::foliage, builder, random);
+    builder.add("grass", green[0], grass(land, random));
+    builder.add("bushes", green[1], (0..random.count(4, 8)).map(|_| bush(land, random)).collect());
+    builder.add("ferns", green[2], (0..random.count(8, 20)).map(|_| fern(land, random)).collect());
+    let stone = materials::stone(builder, random);
+    builder.add("stones", stone, (0..random.count(12, 30)).map(|_| boulder(land, random)).collect());
+    let pale = materials::paint(builder, random);
+    builder.add("mushrooms", pale, (0..random.count(10, 30)).map(|_| mushroom(land, random)).collect());
+    builder.add("fence", bark[0], fence(land, random));
     let log = random.within(0.15, 0.3);
     let place = land.at(land.place(random) * 0.7) + Vec3::Y * (0.7 * log);
-    stage.add(
+    builder.add(
         "log",
         bark[1],
         cylinder(log, 2.2, 20).moved(0.0, -1.1, 0.0).rolled(0.5 * PI).turned(random.angle()).at(place),
     );
-    stage.sun(random);
+    builder.sun(random);
 }
 
 /// How a tree branches.
@@ -140,8 +140,8 @@ fn leaf(length: f32, width: f32) -> Shape {
     shape
 }
 
-fn broadleaf(foot: Vec3, bark: MaterialId, stage: &mut Stage, random: &mut Random) {
-    let leaves = materials::leaves(stage, random);
+fn broadleaf(foot: Vec3, bark: MaterialId, builder: &mut SceneBuilder, random: &mut Random) {
+    let leaves = materials::leaves(builder, random);
     let (length, radius) = (random.within(1.2, 1.9), random.within(0.09, 0.17));
     let (size, crooked) = (random.within(0.14, 0.24), random.within(0.1, 0.35));
     let lean = (Vec3::Y + random.direction() * 0.15).normalize();
@@ -149,8 +149,8 @@ fn broadleaf(foot: Vec3, bark: MaterialId, stage: &mut Stage, random: &mut Rando
     let mut growth = Growth { wood: roots(radius, random), leaves: Shape::default(), leaf, random, crooked };
     growth.branch(Vec3::NEG_Y * 0.1, lean, length, radius, 0);
     let Growth { wood, leaves: crown, .. } = growth;
-    stage.add("tree", bark, wood.at(foot));
-    stage.add("crown", leaves, crown.at(foot));
+    builder.add("tree", bark, wood.at(foot));
+    builder.add("crown", leaves, crown.at(foot));
 }
 
 /// Roots that leave the trunk and go into the ground.
@@ -171,9 +171,9 @@ fn roots(radius: f32, random: &mut Random) -> Shape {
 }
 
 /// A trunk with whorls of drooping branches of needles.
-fn conifer(foot: Vec3, bark: MaterialId, stage: &mut Stage, random: &mut Random) {
+fn conifer(foot: Vec3, bark: MaterialId, builder: &mut SceneBuilder, random: &mut Random) {
     let height = random.within(2.8, 4.5);
-    let needles = materials::foliage(stage, random);
+    let needles = materials::foliage(builder, random);
     let mut wood = frustum(0.05 * height.sqrt() + 0.03, 0.01, height, 10).moved(0.0, -0.1, 0.0);
     let mut green = Shape::default();
     let whorls = random.count(11, 16);
@@ -210,12 +210,12 @@ fn conifer(foot: Vec3, bark: MaterialId, stage: &mut Stage, random: &mut Random)
             green.join((spray + comb.collect()).rotated(turn).moved(0.0, y, 0.0));
         }
     }
-    stage.add("trunk", bark, wood.at(foot));
-    stage.add("needles", needles, green.at(foot));
+    builder.add("trunk", bark, wood.at(foot));
+    builder.add("needles", needles, green.at(foot));
 }
 
 /// Tufts of bent blades.
-fn grass(land: Land, random: &mut Random) -> Shape {
+fn grass(land: Ground, random: &mut Random) -> Shape {
     let mut shape = Shape::default();
     let tufts = random.count(250, 450);
     let density = random.bits();
@@ -241,7 +241,7 @@ fn grass(land: Land, random: &mut Random) -> Shape {
 }
 
 /// A dome of leaves on thin stems.
-fn bush(land: Land, random: &mut Random) -> Shape {
+fn bush(land: Ground, random: &mut Random) -> Shape {
     let foot = land.at(land.place(random));
     let radius = random.within(0.3, 0.7);
     let size = random.within(0.07, 0.14);
@@ -264,7 +264,7 @@ fn bush(land: Land, random: &mut Random) -> Shape {
 }
 
 /// Fronds with leaflets around a point.
-fn fern(land: Land, random: &mut Random) -> Shape {
+fn fern(land: Ground, random: &mut Random) -> Shape {
     let foot = land.at(land.place(random));
     let length = random.within(0.35, 0.8);
     let mut shape = Shape::default();
@@ -290,7 +290,7 @@ fn fern(land: Land, random: &mut Random) -> Shape {
 }
 
 /// A stone that lies half in the ground.
-fn boulder(land: Land, random: &mut Random) -> Shape {
+fn boulder(land: Ground, random: &mut Random) -> Shape {
     let radius = random.within(0.06, 0.35) * random.within(0.5, 1.2);
     let seed = random.bits();
     let stone =
@@ -302,7 +302,7 @@ fn boulder(land: Land, random: &mut Random) -> Shape {
         .at(land.at(land.place(random)) + Vec3::Y * 0.2 * radius)
 }
 
-fn mushroom(land: Land, random: &mut Random) -> Shape {
+fn mushroom(land: Ground, random: &mut Random) -> Shape {
     let size = random.within(0.04, 0.12);
     let outline = [
         (0.0, -0.3),
@@ -319,7 +319,7 @@ fn mushroom(land: Land, random: &mut Random) -> Shape {
 }
 
 /// Posts and rails along one side.
-fn fence(land: Land, random: &mut Random) -> Shape {
+fn fence(land: Ground, random: &mut Random) -> Shape {
     let z = 0.5 * land.size - 0.5;
     let posts = (land.size / 1.1) as usize;
     let post = |i: usize| land.at(Vec2::new(((i as f32 + 0.5) / posts as f32 - 0.5) * land.size, z));

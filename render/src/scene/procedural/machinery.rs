@@ -2,9 +2,9 @@
 
 use super::materials;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, block, cuboid, cylinder, frustum, pipe, rounded_box, sphere, torus};
-use super::stage::{Lot, Stage};
 use super::sweep::{circle, curve, extrude, lathe, rod, sweep, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -13,46 +13,46 @@ use std::f32::consts::{PI, TAU};
 const CELL: f32 = 1.15;
 
 /// Builds a machine hall.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let (columns, rows) = (random.count(3, 4), random.count(2, 3));
     let half = 0.5 * CELL * Vec2::new(columns as f32, rows as f32);
     let height = random.within(2.2, 2.8);
-    hall(half, height, stage, random);
-    let mut materials = materials::several(3, materials::metal, stage, random);
-    materials.extend(materials::several(3, materials::paint, stage, random));
-    let mut lot = Lot::new(materials);
+    hall(half, height, builder, random);
+    let mut materials = materials::several(3, materials::metal, builder, random);
+    materials.extend(materials::several(3, materials::paint, builder, random));
+    let mut shapes = ShapesByMaterial::new(materials);
     for column in 0..columns {
         for row in 0..rows {
             let at =
                 Vec3::new((column as f32 + 0.5) * CELL - half.x, 0.0, (row as f32 + 0.5) * CELL - half.y);
             let quarter = random.count(0, 3) as f32;
             for part in machine(random) {
-                lot.put(part.turned(0.5 * PI * quarter).at(at), random);
+                shapes.put(part.turned(0.5 * PI * quarter).at(at), random);
             }
         }
     }
     for _ in 0..random.count(8, 14) {
         let route = route(half, height, random);
-        lot.put(pipeline(&route, random.within(0.03, 0.07)), random);
+        shapes.put(pipeline(&route, random.within(0.03, 0.07)), random);
     }
     for _ in 0..random.count(4, 8) {
         let ends = [0, 1]
             .map(|_| Vec3::new(random.within(-half.x, half.x), height - 0.2, random.within(-half.y, half.y)));
         let low = 0.5 * (ends[0] + ends[1]) - Vec3::Y * random.within(0.2, 0.6);
-        lot.put(tube(&curve(&[ends[0], low, ends[1]], 12), 0.014, 7), random);
+        shapes.put(tube(&curve(&[ends[0], low, ends[1]], 12), 0.014, 7), random);
     }
-    lot.add_to(stage, "machines");
-    stage.lamp(Vec3::new(0.0, height - 0.3, 0.0), random);
-    stage.sun(random);
+    shapes.add_to(builder, "machines");
+    builder.lamp(Vec3::new(0.0, height - 0.3, 0.0), random);
+    builder.sun(random);
 }
 
 /// Floor of plates, two walls of panels, and girders overhead on posts.
-fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
-    let concrete = materials::stone(stage, random);
+fn hall(half: Vec2, height: f32, builder: &mut SceneBuilder, random: &mut Random) {
+    let concrete = materials::stone(builder, random);
     let (x, z) = (half.x + 0.35, half.y + 0.35);
     let mut shell = block(Vec3::new(-x - 0.1, -0.1, -z - 0.1), Vec3::new(x, -0.03, z));
-    let wall = materials::masonry(stage, random);
-    stage.add(
+    let wall = materials::masonry(builder, random);
+    builder.add(
         "walls",
         wall,
         block(Vec3::new(-x - 0.1, -0.03, -z - 0.1), Vec3::new(x, height, -z))
@@ -67,8 +67,8 @@ fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
             shell.join(bevelled_box(size.x - 0.015, 0.03, size.y - 0.015, 0.006).moved(at.x, -0.03, at.y));
         }
     }
-    stage.add("floor", concrete, shell);
-    let steel = materials::metal(stage, random);
+    builder.add("floor", concrete, shell);
+    let steel = materials::metal(builder, random);
     let mut frame = Shape::default();
     let posts = [
         (-half.x - 0.15, -half.y - 0.15),
@@ -87,7 +87,7 @@ fn hall(half: Vec2, height: f32, stage: &mut Stage, random: &mut Random) {
         let x = (i as f32 / 4.0 - 0.5) * 2.0 * half.x;
         frame.join(girder(Vec3::new(x, height + 0.13, -z), Vec3::new(x, height + 0.13, z), 0.1));
     }
-    stage.add("frame", steel, frame);
+    builder.add("frame", steel, frame);
 }
 
 /// A beam of I section.

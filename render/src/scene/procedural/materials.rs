@@ -2,7 +2,7 @@
 
 use super::noise;
 use super::random::Random;
-use super::stage::Stage;
+use super::scene_builder::SceneBuilder;
 use crate::scene::{AlphaMode, Encoding, Material, MaterialId, Texture, Wrap};
 use deepshade_shaders::colour::srgb_byte;
 use glam::{IVec3, Vec2, Vec3};
@@ -20,22 +20,22 @@ pub fn colour(hue: f32, saturation: f32, value: f32) -> Vec3 {
 }
 
 /// Paint, plastic or cloth of any colour.
-pub fn paint(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn paint(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.1, 0.8), random.within(0.25, 0.85));
     let roughness = random.within(0.25, 0.9);
-    stage.material(solid("paint", base, roughness))
+    builder.material(solid("paint", base, roughness))
 }
 
 /// Wall plaster: pale, with soft stains.
-pub fn plaster(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn plaster(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.05, 0.2), random.within(0.02, 0.25), random.within(0.6, 0.9));
     let seed = random.bits();
     let shade = move |uv: Vec2| 1.0 + 0.12 * noise::fbm(seed, (uv * 6.0).extend(0.5), 4);
-    textured(stage, "plaster", base, 0.9, 1.5, Wrap::Mirror, shade)
+    textured(builder, "plaster", base, 0.9, 1.5, Wrap::Mirror, shade)
 }
 
 /// Sawn wood with its grain along u.
-pub fn wood(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn wood(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.05, 0.11), random.within(0.45, 0.75), random.within(0.2, 0.6));
     let (seed, rings) = (random.bits(), random.within(8.0, 20.0));
     let shade = move |uv: Vec2| {
@@ -44,85 +44,85 @@ pub fn wood(stage: &mut Stage, random: &mut Random) -> MaterialId {
         let fibre = noise::gradient(seed ^ 1, Vec3::new(uv.x * 8.0, uv.y * 60.0, 0.5));
         0.72 + 0.33 * ring + 0.12 * fibre
     };
-    textured(stage, "wood", base, random.within(0.4, 0.8), 0.8, Wrap::Mirror, shade)
+    textured(builder, "wood", base, random.within(0.4, 0.8), 0.8, Wrap::Mirror, shade)
 }
 
 /// Natural stone: grey to brown, mottled.
-pub fn stone(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn stone(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.04, 0.16), random.within(0.02, 0.3), random.within(0.3, 0.7));
     let seed = random.bits();
     let shade = move |uv: Vec2| {
         let grain = noise::gradient(seed ^ 1, (uv * 40.0).extend(0.5));
         0.95 + 0.4 * noise::fbm(seed, (uv * 5.0).extend(0.5), 5) + 0.1 * grain
     };
-    textured(stage, "stone", base, random.within(0.7, 1.0), 1.2, Wrap::Mirror, shade)
+    textured(builder, "stone", base, random.within(0.7, 1.0), 1.2, Wrap::Mirror, shade)
 }
 
 /// Polished stone with veins.
-pub fn marble(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn marble(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.0, 0.6), random.within(0.02, 0.2), random.within(0.5, 0.85));
     let seed = random.bits();
     let shade = move |uv: Vec2| {
         let vein = noise::fbm(seed, (uv * 4.0).extend(0.5), 5).abs();
         0.55 + 0.5 * (vein * 6.0).min(1.0)
     };
-    textured(stage, "marble", base, random.within(0.1, 0.4), 1.0, Wrap::Mirror, shade)
+    textured(builder, "marble", base, random.within(0.1, 0.4), 1.0, Wrap::Mirror, shade)
 }
 
 /// Bare or painted metal.
-pub fn metal(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn metal(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.05, 0.15), random.within(0.0, 0.5), random.within(0.5, 0.9));
     let roughness = random.within(0.15, 0.6);
-    stage.material(Material { metallic: 1.0, ..solid("metal", base, roughness) })
+    builder.material(Material { metallic: 1.0, ..solid("metal", base, roughness) })
 }
 
 /// Earth, sand or grass seen from above.
-pub fn earth(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn earth(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.07, 0.3), random.within(0.25, 0.6), random.within(0.2, 0.5));
     let seed = random.bits();
     let shade = move |uv: Vec2| 0.9 + 0.6 * noise::fbm(seed, (uv * 10.0).extend(0.5), 5);
-    textured(stage, "earth", base, 1.0, 2.0, Wrap::Mirror, shade)
+    textured(builder, "earth", base, 1.0, 2.0, Wrap::Mirror, shade)
 }
 
 /// Fine woven cloth.
-pub fn cloth(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn cloth(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.1, 0.7), random.within(0.3, 0.85));
     let stripes = random.count(1, 6) as f32;
     let contrast = random.within(0.0, 0.5);
     let shade = move |uv: Vec2| if (uv.x * stripes).rem_euclid(1.0) < 0.5 { 1.0 } else { 1.0 - contrast };
-    textured(stage, "cloth", base, 1.0, random.within(0.2, 0.6), Wrap::Repeat, shade)
+    textured(builder, "cloth", base, 1.0, random.within(0.2, 0.6), Wrap::Repeat, shade)
 }
 
 /// A checker of two shades.
-pub fn checker(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn checker(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.0, 0.4), random.within(0.6, 0.85));
     let dark = random.within(0.15, 0.6);
     let shade = move |uv: Vec2| if (uv.x < 0.5) == (uv.y < 0.5) { 1.0 } else { dark };
-    textured(stage, "checker", base, random.within(0.2, 0.7), random.within(0.5, 1.0), Wrap::Repeat, shade)
+    textured(builder, "checker", base, random.within(0.2, 0.7), random.within(0.5, 1.0), Wrap::Repeat, shade)
 }
 
 /// Bricks in stretcher bond, with a normal map for the joints.
-pub fn bricks(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn bricks(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.0, 0.08), random.within(0.3, 0.7), random.within(0.35, 0.7));
-    courses(stage, random, "bricks", base, 0.9, Courses { columns: 4, rows: 12, shift: 0.5, width: 1.0 })
+    courses(builder, random, "bricks", base, 0.9, Courses { columns: 4, rows: 12, shift: 0.5, width: 1.0 })
 }
 
 /// Glazed or stone tiles, with a normal map for the joints.
-pub fn tiles(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn tiles(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.unit(), random.within(0.0, 0.5), random.within(0.4, 0.85));
     let count = random.count(2, 6);
     let width = random.within(0.6, 1.6);
-    courses(stage, random, "tiles", base, 0.3, Courses { columns: count, rows: count, shift: 0.0, width })
+    courses(builder, random, "tiles", base, 0.3, Courses { columns: count, rows: count, shift: 0.0, width })
 }
 
 /// Green of any plant.
-pub fn foliage(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn foliage(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.15, 0.36), random.within(0.4, 0.8), random.within(0.2, 0.6));
-    stage.material(solid("foliage", base, random.within(0.5, 0.9)))
+    builder.material(solid("foliage", base, random.within(0.5, 0.9)))
 }
 
 /// Leaves, with the leaf cut out of its square by alpha.
-pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn leaves(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let base = colour(random.within(0.15, 0.36), random.within(0.4, 0.8), random.within(0.2, 0.6));
     let (lobes, depth) = (random.count(1, 7) as f32, random.within(0.0, 0.4));
     let texels = filled(SIZE, |uv| {
@@ -134,36 +134,41 @@ pub fn leaves(stage: &mut Stage, random: &mut Random) -> MaterialId {
         let inside = centred.x.abs() < half_width;
         (base * vein).extend(f32::from(inside))
     });
-    let slot = stage.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [Wrap::Clamp; 2]), 1.0);
+    let slot = builder.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [Wrap::Clamp; 2]), 1.0);
     let leaf = solid("leaves", Vec3::ONE, random.within(0.5, 0.9));
-    stage.material(Material { base_colour_texture: Some(slot), alpha: AlphaMode::Mask(0.5), ..leaf })
+    builder.material(Material { base_colour_texture: Some(slot), alpha: AlphaMode::Mask(0.5), ..leaf })
 }
 
 /// One of the materials of buildings' walls.
-pub fn masonry(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn masonry(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let make = random.pick::<Maker>(&[plaster, stone, bricks, stone]);
-    make(stage, random)
+    make(builder, random)
 }
 
 /// One of the materials of floors.
-pub fn flooring(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn flooring(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let make = random.pick::<Maker>(&[wood, tiles, checker, stone, marble]);
-    make(stage, random)
+    make(builder, random)
 }
 
 /// One of the materials of small things.
-pub fn any(stage: &mut Stage, random: &mut Random) -> MaterialId {
+pub fn any(builder: &mut SceneBuilder, random: &mut Random) -> MaterialId {
     let make = random.pick::<Maker>(&[paint, paint, wood, stone, marble, metal]);
-    make(stage, random)
+    make(builder, random)
 }
 
 /// `count` of the materials that a maker makes.
-pub fn several(count: usize, make: Maker, stage: &mut Stage, random: &mut Random) -> Vec<MaterialId> {
-    (0..count).map(|_| make(stage, random)).collect()
+pub fn several(
+    count: usize,
+    make: Maker,
+    builder: &mut SceneBuilder,
+    random: &mut Random,
+) -> Vec<MaterialId> {
+    (0..count).map(|_| make(builder, random)).collect()
 }
 
 /// Makes a material.
-pub type Maker = fn(&mut Stage, &mut Random) -> MaterialId;
+pub type Maker = fn(&mut SceneBuilder, &mut Random) -> MaterialId;
 
 /// How bricks or tiles are laid in a square of `width` metres.
 #[derive(Clone, Copy)]
@@ -189,7 +194,7 @@ impl Courses {
 
 /// A material of bricks or tiles with a colour of its own for each and a normal map.
 fn courses(
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     random: &mut Random,
     name: &str,
     base: Vec3,
@@ -203,11 +208,11 @@ fn courses(
         let own = 1.0 - contrast * noise::of_cell(seed, brick);
         if border < joint { 0.6 } else { own }
     };
-    let id = textured(stage, name, base, rough, laid.width, Wrap::Repeat, shade);
+    let id = textured(builder, name, base, rough, laid.width, Wrap::Repeat, shade);
     let height = move |uv: Vec2| (laid.at(uv).1 / joint).min(2.0) * joint;
-    let slot = stage.texture(normal_map(height), laid.width);
-    let material = stage.get(id).clone();
-    stage.material(Material { normal_texture: Some((slot, 1.0)), ..material })
+    let slot = builder.texture(normal_map(height), laid.width);
+    let material = builder.get(id).clone();
+    builder.material(Material { normal_texture: Some((slot, 1.0)), ..material })
 }
 
 /// An opaque dielectric.
@@ -217,7 +222,7 @@ fn solid(name: &str, base: Vec3, roughness: f32) -> Material {
 
 /// A material whose colour is multiplied by a shade that depends on the place in a square of `width` metres.
 fn textured(
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     name: &str,
     base: Vec3,
     roughness: f32,
@@ -226,8 +231,8 @@ fn textured(
     shade: impl Fn(Vec2) -> f32,
 ) -> MaterialId {
     let texels = filled(SIZE, |uv| (base * shade(uv)).extend(1.0));
-    let slot = stage.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [wrap; 2]), width);
-    stage.material(Material { base_colour_texture: Some(slot), ..solid(name, Vec3::ONE, roughness) })
+    let slot = builder.texture(Texture::new(SIZE, SIZE, texels, Encoding::Srgb, [wrap; 2]), width);
+    builder.material(Material { base_colour_texture: Some(slot), ..solid(name, Vec3::ONE, roughness) })
 }
 
 /// Texels of a square of `size` x `size` from linear values at their middles.
@@ -291,11 +296,11 @@ mod tests {
 
     #[test]
     fn diffuse_colours_are_those_of_real_things() {
-        let mut stage = Stage::new(String::new());
+        let mut builder = SceneBuilder::new(String::new());
         let mut random = Random::new(0, 1);
         let makers: [Maker; 6] = [paint, plaster, wood, stone, marble, earth];
-        let ids: Vec<MaterialId> = makers.iter().map(|make| make(&mut stage, &mut random)).collect();
-        let scene = stage.finish();
+        let ids: Vec<MaterialId> = makers.iter().map(|make| make(&mut builder, &mut random)).collect();
+        let scene = builder.finish();
         for id in ids {
             let at = |i: u8| [Vec2::new(f32::from(i) * 0.137, f32::from(i) * 0.311), Vec2::ZERO];
             let surface = |i| scene.material(id).surface(&scene.textures, at(i), glam::Vec4::ONE).diffuse;

@@ -9,6 +9,7 @@
 
 mod blobs;
 mod bridge;
+mod capture_table;
 mod cave;
 mod city;
 mod cloth;
@@ -24,15 +25,14 @@ mod playground;
 mod random;
 mod rides;
 mod room;
+mod scene_builder;
 mod shape;
 mod shelves;
 mod sky;
 mod solids;
 mod specimens;
-mod stage;
 mod stairs;
 mod still_life;
-mod studio;
 mod surface;
 mod sweep;
 mod tabletop;
@@ -45,7 +45,7 @@ pub use sky::sky;
 
 use super::{Scene, SceneError};
 use random::Random;
-use stage::Stage;
+use scene_builder::SceneBuilder;
 
 /// A kind of procedural scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -96,7 +96,7 @@ pub enum Split {
 }
 
 /// Builds a family's scene.
-type Build = fn(&mut Stage, &mut Random);
+type Build = fn(&mut SceneBuilder, &mut Random);
 
 impl Family {
     /// All families, those for training first.
@@ -167,10 +167,10 @@ impl Family {
     /// The family's scene of a seed, called by both, 20,000 to 300,000 triangles; on the tables for captures
     /// 8,000 and more.
     pub fn scene(self, seed: u64) -> Scene {
-        let mut stage = Stage::new(format!("{}-{seed}", self.name()));
+        let mut builder = SceneBuilder::new(format!("{}-{seed}", self.name()));
         let mut random = Random::new(self as u64, seed);
-        (self.entry().2)(&mut stage, &mut random);
-        stage.finish()
+        (self.entry().2)(&mut builder, &mut random);
+        builder.finish()
     }
 
     /// Name, use and builder.

@@ -4,9 +4,9 @@ use super::materials;
 use super::noise;
 use super::random::Random;
 use super::rides;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, cylinder, frustum, icosphere, sphere, torus};
-use super::stage::{Lot, Stage};
 use super::surface::ground;
 use super::sweep::{circle, curve, rod, sweep, tube};
 use glam::{Vec2, Vec3};
@@ -16,13 +16,13 @@ use std::f32::consts::{PI, TAU};
 const CELL: f32 = 2.6;
 
 /// Builds a playground.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let (columns, rows) = (random.count(2, 3), 2);
     let half = 0.5 * CELL * Vec2::new(columns as f32, rows as f32) + Vec2::splat(0.15);
-    yard(half, stage, random);
-    let mut lot = Lot::new(materials::several(5, materials::paint, stage, random));
-    let steel = materials::metal(stage, random);
-    let wood = materials::wood(stage, random);
+    yard(half, builder, random);
+    let mut shapes = ShapesByMaterial::new(materials::several(5, materials::paint, builder, random));
+    let steel = materials::metal(builder, random);
+    let wood = materials::wood(builder, random);
     // The tower is in every playground; what else there is comes in any order without repeating soon.
     let mut next = random.count(0, 5);
     for index in 0..columns * rows {
@@ -32,18 +32,18 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
         let place = |shape: Shape| shape.turned(turn).at(at);
         let piece = if index == 0 { tower(random) } else { equipment(next, random) };
         next += random.count(1, 2);
-        stage.add("frame", steel, place(piece.steel));
-        stage.add("boards", wood, place(piece.wood));
+        builder.add("frame", steel, place(piece.steel));
+        builder.add("boards", wood, place(piece.wood));
         for part in piece.painted {
-            lot.put(place(part), random);
+            shapes.put(place(part), random);
         }
         for _ in 0..2 {
             let out = Vec2::from_angle(random.angle()) * 0.46 * CELL;
-            lot.put(rides::toy(random).at(at + Vec3::new(out.x, 0.0, out.y)), random);
+            shapes.put(rides::toy(random).at(at + Vec3::new(out.x, 0.0, out.y)), random);
         }
     }
-    lot.add_to(stage, "painted");
-    stage.sun(random);
+    shapes.add_to(builder, "painted");
+    builder.sun(random);
 }
 
 /// A piece of equipment around the y axis by material.
@@ -58,8 +58,8 @@ pub struct Piece {
 }
 
 /// A mat of tiles with a kerb of half-buried posts, and a sandpit.
-fn yard(half: Vec2, stage: &mut Stage, random: &mut Random) {
-    let rubber = materials::checker(stage, random);
+fn yard(half: Vec2, builder: &mut SceneBuilder, random: &mut Random) {
+    let rubber = materials::checker(builder, random);
     let mut mat = Shape::default();
     let counts = (2.0 * half / 0.55).ceil();
     let size = 2.0 * half / counts;
@@ -70,8 +70,8 @@ fn yard(half: Vec2, stage: &mut Stage, random: &mut Random) {
             - half;
         mat.join(tile.clone().moved(at.x, -0.06, at.y));
     }
-    stage.add("mat", rubber, mat);
-    let bark = materials::wood(stage, random);
+    builder.add("mat", rubber, mat);
+    let bark = materials::wood(builder, random);
     let mut kerb = Shape::default();
     for (side, length, out) in [(0, half.x, half.y), (1, half.y, half.x)] {
         let count = (2.0 * length / 0.16) as usize;
@@ -89,8 +89,8 @@ fn yard(half: Vec2, stage: &mut Stage, random: &mut Random) {
             }
         }
     }
-    stage.add("kerb", bark, kerb);
-    let sand = materials::earth(stage, random);
+    builder.add("kerb", bark, kerb);
+    let sand = materials::earth(builder, random);
     let seed = random.bits();
     let heap = ground(Vec2::new(1.1, 1.1), 60, -0.05, |x, z| {
         let border = (1.0 - (x.abs().max(z.abs()) / 0.55).powi(4)).max(0.0);
@@ -98,8 +98,8 @@ fn yard(half: Vec2, stage: &mut Stage, random: &mut Random) {
     });
     let at = Vec3::new(random.within(-0.5, 0.5) * half.x, 0.0, random.pick(&[-0.02, 0.02]));
     let board = beam(Vec3::new(-0.62, 0.07, 0.58), Vec3::new(0.62, 0.07, 0.58), 0.07, 0.16);
-    stage.add("sand", sand, heap.at(at));
-    stage.add("pit", bark, board.around(4).at(at));
+    builder.add("sand", sand, heap.at(at));
+    builder.add("pit", bark, board.around(4).at(at));
 }
 
 fn equipment(kind: usize, random: &mut Random) -> Piece {

@@ -3,9 +3,9 @@
 use super::furniture::{bed, bookcase, books, cabinet, chair, cushion, rosette, sofa, table};
 use super::materials;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{bevelled_box, block, cuboid, cylinder, pipe, sphere};
-use super::stage::{Lot, Stage};
 use super::surface::sheet;
 use super::sweep::lathe;
 use crate::scene::MaterialId;
@@ -34,18 +34,18 @@ struct Looks {
 }
 
 /// Builds a room.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let size = Vec3::new(random.within(3.4, 5.0), random.within(2.3, 2.8), random.within(3.0, 4.4));
     let looks = Looks {
-        wall: materials::plaster(stage, random),
-        wood: materials::wood(stage, random),
-        trim: materials::paint(stage, random),
-        metal: materials::metal(stage, random),
-        cloth: materials::cloth(stage, random),
-        leaves: materials::foliage(stage, random),
-        small: materials::several(5, materials::any, stage, random),
+        wall: materials::plaster(builder, random),
+        wood: materials::wood(builder, random),
+        trim: materials::paint(builder, random),
+        metal: materials::metal(builder, random),
+        cloth: materials::cloth(builder, random),
+        leaves: materials::foliage(builder, random),
+        small: materials::several(5, materials::any, builder, random),
     };
-    floor_and_ceiling(size, &looks, stage, random);
+    floor_and_ceiling(size, &looks, builder, random);
     for side in 0..4 {
         let (length, place) = wall_place(side, size);
         let opening = match side {
@@ -53,12 +53,12 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
             2 => Some(Opening { low: Vec2::new(0.4, 0.0), high: Vec2::new(1.3, 2.0) }),
             _ => None,
         };
-        walls(length, size.y, opening, &looks, stage, place, random);
-        furnish_wall(length, size.y, opening, &looks, stage, place, random);
+        walls(length, size.y, opening, &looks, builder, place, random);
+        furnish_wall(length, size.y, opening, &looks, builder, place, random);
     }
-    middle(size, &looks, stage, random);
-    ceiling_lamp(size.y, &looks, stage, random);
-    stage.sun(random);
+    middle(size, &looks, builder, random);
+    ceiling_lamp(size.y, &looks, builder, random);
+    builder.sun(random);
 }
 
 /// Length of a wall and where it is: its x runs along the floor from left to right as seen from inside, its z
@@ -78,11 +78,11 @@ fn window(length: f32, height: f32, random: &mut Random) -> Opening {
     Opening { low: Vec2::new(middle - half, low), high: Vec2::new(middle + half, height - 0.35) }
 }
 
-fn floor_and_ceiling(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn floor_and_ceiling(size: Vec3, looks: &Looks, builder: &mut SceneBuilder, random: &mut Random) {
     let (x, z) = (size.x + 2.0 * WALL, size.z + 2.0 * WALL);
-    let floor = materials::flooring(stage, random);
-    stage.add("floor", floor, cuboid(x, 0.1, z).moved(0.0, -0.1, 0.0));
-    stage.add("ceiling", looks.wall, cuboid(x, 0.1, z).moved(0.0, size.y, 0.0));
+    let floor = materials::flooring(builder, random);
+    builder.add("floor", floor, cuboid(x, 0.1, z).moved(0.0, -0.1, 0.0));
+    builder.add("ceiling", looks.wall, cuboid(x, 0.1, z).moved(0.0, size.y, 0.0));
     let across = random.count(3, 6);
     let along = if random.chance(0.5) { random.count(2, 5) } else { 0 };
     let depth = random.within(0.1, 0.22);
@@ -95,7 +95,7 @@ fn floor_and_ceiling(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut 
     for i in 0..along {
         beams.join(beam(size.x).moved(0.0, 0.01, size.z * ((i as f32 + 0.5) / along as f32 - 0.5)));
     }
-    stage.add("beams", looks.wood, beams);
+    builder.add("beams", looks.wood, beams);
 }
 
 /// A wall with its opening, skirting board, cornice and panels.
@@ -104,7 +104,7 @@ fn walls(
     height: f32,
     opening: Option<Opening>,
     looks: &Looks,
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     place: Affine3A,
     random: &mut Random,
 ) {
@@ -144,8 +144,8 @@ fn walls(
             trim.join(frame(low, high, random));
         }
     }
-    stage.add("wall", looks.wall, wall.transformed(place));
-    stage.add("trim", looks.trim, trim.transformed(place));
+    builder.add("wall", looks.wall, wall.transformed(place));
+    builder.add("trim", looks.trim, trim.transformed(place));
 }
 
 /// The frame in an opening: a grid of bars for a window, a panelled leaf for a door.
@@ -222,7 +222,7 @@ fn furnish_wall(
     height: f32,
     opening: Option<Opening>,
     looks: &Looks,
-    stage: &mut Stage,
+    builder: &mut SceneBuilder,
     place: Affine3A,
     random: &mut Random,
 ) {
@@ -238,64 +238,71 @@ fn furnish_wall(
         }
         let at = place * Affine3A::from_translation(Vec3::new(x + 0.5 * width, 0.0, 0.03));
         if is_window {
-            low_piece(width, looks, stage, at * Affine3A::from_translation(Vec3::Z * 0.16), random);
+            low_piece(width, looks, builder, at * Affine3A::from_translation(Vec3::Z * 0.16), random);
         } else {
-            tall_piece(width, height, looks, stage, at, random);
+            tall_piece(width, height, looks, builder, at, random);
         }
         x += width + random.within(0.04, 0.3);
     }
 }
 
 /// Something that may stand below a window.
-fn low_piece(width: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
+fn low_piece(width: f32, looks: &Looks, builder: &mut SceneBuilder, at: Affine3A, random: &mut Random) {
     match random.count(0, 2) {
-        0 if width > 0.7 => add_sofa(width, looks, stage, at, random),
-        1 => stage.add("chest", looks.wood, cabinet(Vec3::new(width, 0.6, 0.4), 2, 2).transformed(at)),
+        0 if width > 0.7 => add_sofa(width, looks, builder, at, random),
+        1 => builder.add("chest", looks.wood, cabinet(Vec3::new(width, 0.6, 0.4), 2, 2).transformed(at)),
         _ => {
             let bench = table(width, 0.4, 0.45, random).moved(0.0, 0.0, 0.22);
             let pads = cushion(width - 0.05, 0.36, 0.08).moved(0.0, 0.44, 0.22);
-            stage.add("bench", looks.wood, bench.transformed(at));
-            stage.add("pad", looks.cloth, pads.transformed(at));
+            builder.add("bench", looks.wood, bench.transformed(at));
+            builder.add("pad", looks.cloth, pads.transformed(at));
         }
     }
 }
 
 /// Something that stands against a wall, with something above if it is low.
-fn tall_piece(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
+fn tall_piece(
+    width: f32,
+    height: f32,
+    looks: &Looks,
+    builder: &mut SceneBuilder,
+    at: Affine3A,
+    random: &mut Random,
+) {
     let top = match random.count(0, 5) {
         0 | 1 => {
             let size = Vec3::new(width, random.within(1.2, height - 0.3), 0.28);
-            full_bookcase(size, looks, stage, at, random);
+            full_bookcase(size, looks, builder, at, random);
             size.y
         }
         2 => {
             let size = Vec3::new(width, random.within(1.7, height - 0.25), 0.55);
             let doors = if width > 1.2 { 3 } else { 2 };
-            stage.add("wardrobe", looks.wood, cabinet(size, doors, 1).transformed(at));
+            builder.add("wardrobe", looks.wood, cabinet(size, doors, 1).transformed(at));
             size.y
         }
         3 => {
             let size = Vec3::new(width, random.within(0.7, 1.1), 0.45);
-            stage.add(
+            builder.add(
                 "chest",
                 looks.wood,
                 cabinet(size, 1 + usize::from(width > 0.9), random.count(3, 5)).transformed(at),
             );
-            ornaments(width, size.y, looks, stage, at, random);
+            ornaments(width, size.y, looks, builder, at, random);
             size.y + 0.3
         }
         4 if width > 1.0 => {
             let (frame, bedding) = bed(width, random);
-            stage.add("bed", looks.wood, frame.transformed(at));
-            stage.add("bedding", looks.cloth, bedding.transformed(at));
+            builder.add("bed", looks.wood, frame.transformed(at));
+            builder.add("bedding", looks.cloth, bedding.transformed(at));
             1.2
         }
         4 => {
-            plant(width, looks, stage, at, random);
+            plant(width, looks, builder, at, random);
             1.6
         }
         _ => {
-            add_sofa(width.max(0.8), looks, stage, at, random);
+            add_sofa(width.max(0.8), looks, builder, at, random);
             1.0
         }
     };
@@ -305,34 +312,41 @@ fn tall_piece(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Aff
         let picture =
             relief(Vec2::new(-0.4 * width, low), Vec2::new(0.4 * width, high)).scaled(1.0, 1.0, 2.0);
         let canvas = block(Vec3::new(-0.39 * width, low, 0.0), Vec3::new(0.39 * width, high, 0.012));
-        stage.add("picture", looks.trim, picture.transformed(at));
-        stage.add("canvas", random.pick(&looks.small), canvas.transformed(at));
+        builder.add("picture", looks.trim, picture.transformed(at));
+        builder.add("canvas", random.pick(&looks.small), canvas.transformed(at));
     }
 }
 
-fn add_sofa(width: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
+fn add_sofa(width: f32, looks: &Looks, builder: &mut SceneBuilder, at: Affine3A, random: &mut Random) {
     let (frame, cushions) = sofa(width, random);
-    stage.add("sofa", looks.trim, frame.transformed(at));
-    stage.add("cushions", looks.cloth, cushions.transformed(at));
+    builder.add("sofa", looks.trim, frame.transformed(at));
+    builder.add("cushions", looks.cloth, cushions.transformed(at));
 }
 
-fn full_bookcase(size: Vec3, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
+fn full_bookcase(size: Vec3, looks: &Looks, builder: &mut SceneBuilder, at: Affine3A, random: &mut Random) {
     let boards = ((size.y / 0.33) as usize).max(2);
     let (case, heights) = bookcase(size, boards);
-    stage.add("bookcase", looks.wood, case.transformed(at));
-    let mut lot = Lot::new(looks.small.clone());
+    builder.add("bookcase", looks.wood, case.transformed(at));
+    let mut shapes = ShapesByMaterial::new(looks.small.clone());
     for y in heights {
         let length = (size.x - 0.06) * random.within(0.4, 1.0);
         for book in books(length, size.y / boards as f32 - 0.04, random) {
-            lot.put(book.moved(0.03 - 0.5 * size.x, y, 0.01).transformed(at), random);
+            shapes.put(book.moved(0.03 - 0.5 * size.x, y, 0.01).transformed(at), random);
         }
     }
-    lot.add_to(stage, "books");
+    shapes.add_to(builder, "books");
 }
 
 /// Small things on top of a piece.
-fn ornaments(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
-    let mut lot = Lot::new(looks.small.clone());
+fn ornaments(
+    width: f32,
+    height: f32,
+    looks: &Looks,
+    builder: &mut SceneBuilder,
+    at: Affine3A,
+    random: &mut Random,
+) {
+    let mut shapes = ShapesByMaterial::new(looks.small.clone());
     let count = (width / 0.22) as usize;
     for i in 0..count {
         let x = (i as f32 + 0.5) * width / count as f32 - 0.5 * width;
@@ -343,9 +357,9 @@ fn ornaments(width: f32, height: f32, looks: &Looks, stage: &mut Stage, at: Affi
                 .turned(random.within(-0.5, 0.5)),
             _ => sphere(radius, 20),
         };
-        lot.put(thing.moved(x, height, random.within(0.12, 0.3)).transformed(at), random);
+        shapes.put(thing.moved(x, height, random.within(0.12, 0.3)).transformed(at), random);
     }
-    lot.add_to(stage, "ornaments");
+    shapes.add_to(builder, "ornaments");
 }
 
 fn vase(radius: f32, height: f32) -> Shape {
@@ -363,25 +377,25 @@ fn vase(radius: f32, height: f32) -> Shape {
     lathe(&outline.map(|(x, y)| Vec2::new(x * radius, y * height)), 24)
 }
 
-fn plant(width: f32, looks: &Looks, stage: &mut Stage, at: Affine3A, random: &mut Random) {
+fn plant(width: f32, looks: &Looks, builder: &mut SceneBuilder, at: Affine3A, random: &mut Random) {
     let (radius, height) = (0.35 * width.min(0.6), random.within(0.25, 0.45));
     let outline = [(0.0, 0.0), (0.7, 0.0), (1.0, 0.9), (1.05, 1.0), (0.95, 1.0), (0.9, 0.85), (0.0, 0.85)];
     let pot = lathe(&outline.map(|(x, y)| Vec2::new(x * radius, y * height)), 28);
     let leaves = rosette(random.count(25, 50), random.within(0.5, 0.9), random).scaled(0.5, 1.0, 0.5);
-    stage.add("pot", random.pick(&looks.small), pot.moved(0.0, 0.0, 0.3).transformed(at));
-    stage.add("plant", looks.leaves, leaves.moved(0.0, 0.85 * height, 0.3).transformed(at));
+    builder.add("pot", random.pick(&looks.small), pot.moved(0.0, 0.0, 0.3).transformed(at));
+    builder.add("plant", looks.leaves, leaves.moved(0.0, 0.85 * height, 0.3).transformed(at));
 }
 
 /// A table with chairs on a rug.
-fn middle(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn middle(size: Vec3, looks: &Looks, builder: &mut SceneBuilder, random: &mut Random) {
     let (width, depth) = (0.34 * size.x, random.within(0.7, 0.95));
     let turn = random.within(-0.4, 0.4);
     let rug = sheet(96, 64, |u, v| {
         let ripple = 0.004 * ((17.0 * u).sin() + (13.0 * v + 5.0 * u).sin());
         Vec3::new((u - 0.5) * (width + 1.1), 0.012 + ripple, (v - 0.5) * (depth + 1.1))
     });
-    stage.add("rug", looks.cloth, rug.turned(turn));
-    stage.add("table", looks.wood, table(width, depth, 0.74, random).turned(turn).moved(0.0, 0.01, 0.0));
+    builder.add("rug", looks.cloth, rug.turned(turn));
+    builder.add("table", looks.wood, table(width, depth, 0.74, random).turned(turn).moved(0.0, 0.01, 0.0));
     let model = chair(random);
     let mut chairs = Shape::default();
     for side in [-1.0, 1.0] {
@@ -392,19 +406,26 @@ fn middle(size: Vec3, looks: &Looks, stage: &mut Stage, random: &mut Random) {
             chairs.join(model.clone().turned(askew).moved(x * width, 0.01, out));
         }
     }
-    stage.add("chairs", looks.wood, chairs.turned(turn));
+    builder.add("chairs", looks.wood, chairs.turned(turn));
     let on_table =
         Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(0.0, 0.01, 0.0));
-    ornaments(0.8 * width, 0.74, looks, stage, on_table * Affine3A::from_translation(Vec3::Z * -0.2), random);
+    ornaments(
+        0.8 * width,
+        0.74,
+        looks,
+        builder,
+        on_table * Affine3A::from_translation(Vec3::Z * -0.2),
+        random,
+    );
 }
 
-fn ceiling_lamp(height: f32, looks: &Looks, stage: &mut Stage, random: &mut Random) {
+fn ceiling_lamp(height: f32, looks: &Looks, builder: &mut SceneBuilder, random: &mut Random) {
     let shade = random.within(0.15, 0.3);
     let low = height - random.within(0.7, 0.95);
     let lamp = pipe(shade, shade - 0.01, 0.2, 32).moved(0.0, low, 0.0)
         + sphere(0.05, 16).moved(0.0, low + 0.05, 0.0)
         + cylinder(0.006, height - low - 0.14, 8).moved(0.0, low + 0.14, 0.0)
         + cuboid(2.0 * shade - 0.01, 0.008, 0.012).moved(0.0, low + 0.15, 0.0);
-    stage.add("lamp", looks.metal, lamp);
-    stage.lamp(Vec3::new(0.0, low - 0.05, 0.0), random);
+    builder.add("lamp", looks.metal, lamp);
+    builder.lamp(Vec3::new(0.0, low - 0.05, 0.0), random);
 }

@@ -3,9 +3,9 @@
 use super::furniture::{bookcase, books, cabinet, cushion, table};
 use super::materials;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, block, cuboid, cylinder, frustum, pipe, rounded_box, sphere, torus};
-use super::stage::{Lot, Stage};
 use super::sweep::{curve, rod, tube};
 use super::vessels;
 use crate::scene::MaterialId;
@@ -13,45 +13,64 @@ use glam::{Affine3A, Quat, Vec3};
 use std::f32::consts::PI;
 
 /// Builds a store room.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let length = random.within(2.6, 3.8);
     let aisle = random.within(0.8, 1.1);
     let depth = random.within(0.32, 0.42);
     let height = random.within(1.7, 2.3);
     let rows = if length > 2.9 { 1 } else { random.count(1, 2) };
     let half_depth = 0.5 * (rows as f32 + 1.0) * aisle + (rows as f32 + 1.0) * depth;
-    shell(length, half_depth, height + 0.35, stage, random);
-    let boards =
-        [materials::wood(stage, random), materials::metal(stage, random), materials::paint(stage, random)];
-    let mut clutter = Lot::new(materials::several(8, materials::any, stage, random));
+    shell(length, half_depth, height + 0.35, builder, random);
+    let boards = [
+        materials::wood(builder, random),
+        materials::metal(builder, random),
+        materials::paint(builder, random),
+    ];
+    let mut clutter = ShapesByMaterial::new(materials::several(8, materials::any, builder, random));
     // Backs of neighbouring rows touch; the outer rows stand against the walls.
     let mut z = -half_depth;
     for row in 0..=rows {
         let board = random.pick(&boards);
-        shelf_row(Vec3::new(0.0, 0.0, z), false, [length, height, depth], board, &mut clutter, stage, random);
+        shelf_row(
+            Vec3::new(0.0, 0.0, z),
+            false,
+            [length, height, depth],
+            board,
+            &mut clutter,
+            builder,
+            random,
+        );
         z += 2.0 * depth + aisle;
-        shelf_row(Vec3::new(0.0, 0.0, z), true, [length, height, depth], board, &mut clutter, stage, random);
+        shelf_row(
+            Vec3::new(0.0, 0.0, z),
+            true,
+            [length, height, depth],
+            board,
+            &mut clutter,
+            builder,
+            random,
+        );
         if row < rows {
             floor_clutter(z - depth - 0.5 * aisle, 0.5 * length, aisle, &mut clutter, random);
         }
     }
-    end_table(length, half_depth, &boards, &mut clutter, stage, random);
-    clutter.add_to(stage, "clutter");
-    stage.lamp(Vec3::new(0.0, height + 0.2, 0.0), random);
-    stage.sun(random);
+    end_table(length, half_depth, &boards, &mut clutter, builder, random);
+    clutter.add_to(builder, "clutter");
+    builder.lamp(Vec3::new(0.0, height + 0.2, 0.0), random);
+    builder.sun(random);
 }
 
 /// Floor, two long walls and a short one, with joists and pipes under the ceiling.
-fn shell(length: f32, half_depth: f32, height: f32, stage: &mut Stage, random: &mut Random) {
+fn shell(length: f32, half_depth: f32, height: f32, builder: &mut SceneBuilder, random: &mut Random) {
     let x = 0.5 * length + 0.1;
     let right = x + 1.0;
-    let floor = materials::flooring(stage, random);
-    stage.add(
+    let floor = materials::flooring(builder, random);
+    builder.add(
         "floor",
         floor,
         block(Vec3::new(-x - 0.1, -0.1, -half_depth - 0.1), Vec3::new(right, 0.0, half_depth + 0.1)),
     );
-    let wall = materials::masonry(stage, random);
+    let wall = materials::masonry(builder, random);
     let long = |s: f32| {
         block(
             Vec3::new(-x, 0.0, s * half_depth - 0.05 + 0.05 * s),
@@ -59,8 +78,8 @@ fn shell(length: f32, half_depth: f32, height: f32, stage: &mut Stage, random: &
         )
     };
     let short = block(Vec3::new(-x - 0.1, 0.0, -half_depth - 0.1), Vec3::new(-x, height, half_depth + 0.1));
-    stage.add("walls", wall, long(1.0) + long(-1.0) + short);
-    let timber = materials::wood(stage, random);
+    builder.add("walls", wall, long(1.0) + long(-1.0) + short);
+    let timber = materials::wood(builder, random);
     let joists = random.count(5, 9);
     let mut ceiling = block(
         Vec3::new(-x - 0.1, height, -half_depth - 0.1),
@@ -73,8 +92,8 @@ fn shell(length: f32, half_depth: f32, height: f32, stage: &mut Stage, random: &
             Vec3::new(at + 0.05, height, half_depth),
         ));
     }
-    stage.add("ceiling", timber, ceiling);
-    let metal = materials::metal(stage, random);
+    builder.add("ceiling", timber, ceiling);
+    let metal = materials::metal(builder, random);
     let pipes = (0..3).map(|i| {
         rod(
             Vec3::new(-x, height - 0.2 - 0.1 * i as f32, 0.14 * i as f32 - 0.2),
@@ -83,7 +102,7 @@ fn shell(length: f32, half_depth: f32, height: f32, stage: &mut Stage, random: &
             14,
         )
     });
-    stage.add("pipes", metal, pipes.collect());
+    builder.add("pipes", metal, pipes.collect());
 }
 
 /// A row of shelves with its back at `back`, open towards +z or, if turned, -z.
@@ -92,8 +111,8 @@ fn shelf_row(
     turned: bool,
     [length, height, depth]: [f32; 3],
     board: MaterialId,
-    clutter: &mut Lot,
-    stage: &mut Stage,
+    clutter: &mut ShapesByMaterial,
+    builder: &mut SceneBuilder,
     random: &mut Random,
 ) {
     let turn = Quat::from_rotation_y(if turned { PI } else { 0.0 });
@@ -105,7 +124,7 @@ fn shelf_row(
         let tall = height * random.within(0.75, 1.0);
         let count = random.count(3, 5);
         let (case, heights) = bookcase(Vec3::new(width - 0.01, tall, depth), count);
-        stage.add("shelf", board, case.transformed(place));
+        builder.add("shelf", board, case.transformed(place));
         for y in heights {
             let space = Vec3::new(width - 0.07, tall / count as f32 - 0.04, depth - 0.02);
             let left = place * Affine3A::from_translation(Vec3::new(-0.5 * space.x, y, 0.01));
@@ -117,7 +136,7 @@ fn shelf_row(
 }
 
 /// Fills the space above a board, whose lower left back corner is the origin of `place`.
-fn fill(space: Vec3, place: Affine3A, clutter: &mut Lot, random: &mut Random) {
+fn fill(space: Vec3, place: Affine3A, clutter: &mut ShapesByMaterial, random: &mut Random) {
     if random.chance(0.2) {
         for book in books(space.x, space.y, random) {
             clutter.put(book.transformed(place), random);
@@ -250,7 +269,7 @@ fn folded(size: Vec3) -> Vec<Shape> {
 }
 
 /// What stands and lies in an aisle.
-fn floor_clutter(z: f32, half: f32, aisle: f32, clutter: &mut Lot, random: &mut Random) {
+fn floor_clutter(z: f32, half: f32, aisle: f32, clutter: &mut ShapesByMaterial, random: &mut Random) {
     let mut x = -half + 0.2;
     while x < half - 0.4 {
         let size = Vec3::new(random.within(0.2, 0.45), random.within(0.2, 0.6), random.within(0.2, 0.4));
@@ -289,20 +308,20 @@ fn end_table(
     length: f32,
     half_depth: f32,
     boards: &[MaterialId],
-    clutter: &mut Lot,
-    stage: &mut Stage,
+    clutter: &mut ShapesByMaterial,
+    builder: &mut SceneBuilder,
     random: &mut Random,
 ) {
     let x = 0.5 * length + 0.6;
     let wide = 1.1 * half_depth;
     let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.5 * PI), Vec3::X * x);
-    stage.add("table", random.pick(boards), table(wide, 0.6, 0.8, random).transformed(place));
+    builder.add("table", random.pick(boards), table(wide, 0.6, 0.8, random).transformed(place));
     let on = |y: f32| place * Affine3A::from_translation(Vec3::new(-0.48 * wide, y, -0.25));
     fill(Vec3::new(0.95 * wide, 0.45, 0.5), on(0.8), clutter, random);
     fill(Vec3::new(0.9 * wide, 0.55, 0.5), on(0.0), clutter, random);
     let drawers = cabinet(Vec3::new(0.4, 0.75, 0.5), 1, 4)
         .transformed(place * Affine3A::from_translation(Vec3::new(0.5 * wide + 0.25, 0.0, -0.25)));
-    stage.add("drawers", random.pick(boards), drawers);
+    builder.add("drawers", random.pick(boards), drawers);
     let stool = cylinder(0.17, 0.04, 28).moved(0.0, 0.5, 0.0)
         + rod(Vec3::new(0.14, 0.51, 0.0), Vec3::new(0.2, 0.0, 0.0), 0.016, 8).around(4);
     clutter.put(stool.moved(x, 0.0, -0.5 * wide - 0.3), random);

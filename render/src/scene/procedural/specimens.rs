@@ -7,9 +7,9 @@ use super::furniture::{cabinet, chair, sofa};
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{icosphere, rounded_box};
-use super::stage::{Lot, Stage};
 use super::surface::{isosurface, sheet, smooth_min};
 use super::sweep::{circle, curve, sweep};
 use super::vessels;
@@ -22,30 +22,30 @@ const RING: f32 = 1.7;
 const FLOOR: f32 = 1.4;
 
 /// Builds a floor with one to five things.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let count = random.count(1, 5);
     let ring = if count == 1 { 0.0 } else { RING };
     let half = ring + FLOOR;
-    let base = materials::paint(stage, random);
+    let base = materials::paint(builder, random);
     let (seed, swell) = (random.bits(), random.within(0.0, 0.12));
     let height = |x: f32, z: f32| swell * noise::fbm(seed, Vec3::new(x, 0.5, z) * 0.5, 2);
     let point = |u: f32, v: f32| {
         let (x, z) = (half * (2.0 * u - 1.0), half * (2.0 * v - 1.0));
         Vec3::new(x, height(x, z), z)
     };
-    stage.add("floor", base, sheet(80, 80, point));
-    let mut lot = Lot::new(materials::several(5, materials::paint, stage, random));
+    builder.add("floor", base, sheet(80, 80, point));
+    let mut shapes = ShapesByMaterial::new(materials::several(5, materials::paint, builder, random));
     for i in 0..count {
         let foot = Vec2::from_angle(TAU * i as f32 / count as f32 + 0.3) * ring;
         let (turn, size) = (random.angle(), random.within(0.8, 1.4));
         for part in thing(i, random) {
             let placed = part.turned(turn).scaled(size, size, size);
-            lot.put(placed.moved(foot.x, height(foot.x, foot.y), foot.y), random);
+            shapes.put(placed.moved(foot.x, height(foot.x, foot.y), foot.y), random);
         }
     }
-    lot.add_to(stage, "specimens");
-    stage.lamp(Vec3::new(1.0, 4.0, 1.5), random);
-    stage.sun(random);
+    shapes.add_to(builder, "specimens");
+    builder.lamp(Vec3::new(1.0, 4.0, 1.5), random);
+    builder.sun(random);
 }
 
 /// The parts of a thing that stands on the origin, one to two metres high; the first is always a body.

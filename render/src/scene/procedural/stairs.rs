@@ -3,9 +3,9 @@
 use super::furniture::turned_post;
 use super::materials;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, block, cylinder, frustum, sphere};
-use super::stage::Stage;
 use super::sweep::{extrude, rod, tube};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -21,12 +21,12 @@ const STEPS: usize = 4;
 const SIDES: [IVec2; 4] = [IVec2::X, IVec2::Y, IVec2::NEG_X, IVec2::NEG_Y];
 
 /// Levels of platforms on a grid.
-struct Plan {
+struct PlatformGrid {
     size: IVec2,
     levels: Vec<i32>,
 }
 
-impl Plan {
+impl PlatformGrid {
     fn drawn(random: &mut Random) -> Self {
         let size = IVec2::new(random.count(4, 5) as i32, random.count(3, 4) as i32);
         let mut plan = Self { size, levels: vec![0; (size.x * size.y) as usize] };
@@ -63,18 +63,18 @@ impl Plan {
 }
 
 /// Builds the stairs.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    let plan = Plan::drawn(random);
-    let stone = materials::stone(stage, random);
-    let wall = materials::masonry(stage, random);
-    let metal = materials::metal(stage, random);
-    let slab = materials::flooring(stage, random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    let plan = PlatformGrid::drawn(random);
+    let stone = materials::stone(builder, random);
+    let wall = materials::masonry(builder, random);
+    let metal = materials::metal(builder, random);
+    let slab = materials::flooring(builder, random);
     let footing = plan.size.as_vec2() * CELL + Vec2::splat(0.5);
-    stage.add("footing", stone, bevelled_box(footing.x, 0.3, footing.y, 0.03).moved(0.0, -0.42, 0.0));
+    builder.add("footing", stone, bevelled_box(footing.x, 0.3, footing.y, 0.03).moved(0.0, -0.42, 0.0));
     for cell in plan.cells() {
         let (body, top) = platform(&plan, cell, random);
-        stage.add("platform", wall, body);
-        stage.add("slab", slab, top);
+        builder.add("platform", wall, body);
+        builder.add("slab", slab, top);
     }
     let mut steps = Shape::default();
     let mut rails = Shape::default();
@@ -96,17 +96,17 @@ pub fn build(stage: &mut Stage, random: &mut Random) {
             }
         }
     }
-    stage.add("steps", stone, steps);
-    stage.add("rails", if thick { stone } else { metal }, rails);
-    gallery(&plan, stage, random);
+    builder.add("steps", stone, steps);
+    builder.add("rails", if thick { stone } else { metal }, rails);
+    gallery(&plan, builder, random);
     let corner = plan.middle(IVec2::new(random.count(0, plan.size.x as usize - 1) as i32, 0));
-    stage.add("spiral", metal, spiral(random.within(2.6, 4.0), random.pick(&[-1.0, 1.0])).at(corner));
-    stage.lamp(Vec3::new(0.0, 4.0, 0.0), random);
-    stage.sun(random);
+    builder.add("spiral", metal, spiral(random.within(2.6, 4.0), random.pick(&[-1.0, 1.0])).at(corner));
+    builder.lamp(Vec3::new(0.0, 4.0, 0.0), random);
+    builder.sun(random);
 }
 
 /// A block with arched niches on its sides, and the slab on top.
-fn platform(plan: &Plan, cell: IVec2, random: &mut Random) -> (Shape, Shape) {
+fn platform(plan: &PlatformGrid, cell: IVec2, random: &mut Random) -> (Shape, Shape) {
     let middle = plan.middle(cell);
     let half = 0.5 * CELL;
     let inset = 0.28;
@@ -244,8 +244,8 @@ fn balustrade() -> Shape {
 }
 
 /// A deck on posts above the two rows at the back, with railings and joists below.
-fn gallery(plan: &Plan, stage: &mut Stage, random: &mut Random) {
-    let wood = materials::wood(stage, random);
+fn gallery(plan: &PlatformGrid, builder: &mut SceneBuilder, random: &mut Random) {
+    let wood = materials::wood(builder, random);
     let y = 5.0 * LEVEL + random.within(0.5, 1.0);
     let rows = 1 + i32::from(random.chance(0.4));
     let mut shape = Shape::default();
@@ -278,7 +278,7 @@ fn gallery(plan: &Plan, stage: &mut Stage, random: &mut Random) {
             }
         }
     }
-    stage.add("gallery", wood, shape);
+    builder.add("gallery", wood, shape);
 }
 
 /// A winding stair around a post, turning left or right by `hand`.

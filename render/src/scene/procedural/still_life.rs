@@ -3,9 +3,9 @@
 use super::furniture::{book, turned_post};
 use super::materials;
 use super::random::Random;
+use super::scene_builder::{SceneBuilder, ShapesByMaterial};
 use super::shape::Shape;
 use super::solids::{bevelled_box, block, cuboid, cylinder, frustum, rounded_box, sphere};
-use super::stage::{Lot, Stage};
 use super::surface::sheet;
 use super::vessels;
 use glam::{Vec2, Vec3};
@@ -15,34 +15,34 @@ use std::f32::consts::{PI, TAU};
 const TOP: f32 = 0.72;
 
 /// Builds a still life.
-pub fn build(stage: &mut Stage, random: &mut Random) {
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
     let size = Vec2::new(random.within(1.0, 1.4), random.within(0.65, 0.85));
-    corner(size, stage, random);
-    table(size, stage, random);
-    let mut lot = Lot::new(materials::several(7, materials::any, stage, random));
-    spread(size, TOP + 0.006, random.count(26, 40), &mut lot, random);
+    corner(size, builder, random);
+    table(size, builder, random);
+    let mut shapes = ShapesByMaterial::new(materials::several(7, materials::any, builder, random));
+    spread(size, TOP + 0.006, random.count(26, 40), &mut shapes, random);
     let low = size - Vec2::splat(0.12);
-    spread(low, 0.222, random.count(10, 16), &mut lot, random);
+    spread(low, 0.222, random.count(10, 16), &mut shapes, random);
     for x in [-1.0, 1.0] {
         let at = Vec3::new(x * (0.5 * size.x + 0.17), 0.0, random.within(-0.2, 0.2));
-        lot.put(vessels::vase(0.14, random.within(0.4, 0.7), random).at(at), random);
+        shapes.put(vessels::vase(0.14, random.within(0.4, 0.7), random).at(at), random);
     }
-    lot.add_to(stage, "things");
-    stage.lamp(Vec3::new(random.within(-0.4, 0.4), 1.5, 0.5), random);
-    stage.sun(random);
+    shapes.add_to(builder, "things");
+    builder.lamp(Vec3::new(random.within(-0.4, 0.4), 1.5, 0.5), random);
+    builder.sun(random);
 }
 
 /// Floor and two walls with a shelf.
-fn corner(size: Vec2, stage: &mut Stage, random: &mut Random) {
+fn corner(size: Vec2, builder: &mut SceneBuilder, random: &mut Random) {
     let (x, z) = (0.5 * size.x + 0.35, 0.5 * size.y + 0.12);
     let height = 1.6;
-    let floor = materials::flooring(stage, random);
-    stage.add("floor", floor, block(Vec3::new(-x - 0.05, -0.05, -z - 0.05), Vec3::new(x, 0.0, z + 0.25)));
-    let wall = materials::masonry(stage, random);
+    let floor = materials::flooring(builder, random);
+    builder.add("floor", floor, block(Vec3::new(-x - 0.05, -0.05, -z - 0.05), Vec3::new(x, 0.0, z + 0.25)));
+    let wall = materials::masonry(builder, random);
     let back = block(Vec3::new(-x - 0.05, 0.0, -z - 0.05), Vec3::new(x, height, -z));
     let side = block(Vec3::new(-x - 0.05, 0.0, -z), Vec3::new(-x, height, z + 0.25));
-    stage.add("walls", wall, back + side);
-    let trim = materials::wood(stage, random);
+    builder.add("walls", wall, back + side);
+    let trim = materials::wood(builder, random);
     let mut boards = Shape::default();
     let boarding = random.count(8, 16);
     let share = 2.0 * x / boarding as f32;
@@ -56,28 +56,28 @@ fn corner(size: Vec2, stage: &mut Stage, random: &mut Random) {
     boards.join(block(Vec3::new(-x, shelf, -z), Vec3::new(x, shelf + 0.02, -z + 0.16)));
     let bracket = block(Vec3::new(-0.012, shelf - 0.1, -z), Vec3::new(0.012, shelf, -z + 0.12));
     boards.join(bracket.at_each((0..4).map(|i| Vec3::X * (x * (i as f32 / 2.0 - 0.75)))));
-    stage.add("boards", trim, boards);
-    let mut lot = Lot::new(materials::several(3, materials::paint, stage, random));
+    builder.add("boards", trim, boards);
+    let mut shapes = ShapesByMaterial::new(materials::several(3, materials::paint, builder, random));
     let mut at = 0.08 - x;
     while at < x - 0.08 {
         let radius = random.within(0.03, 0.06);
         let thing = upright(radius, random.within(0.08, 0.24), random);
-        lot.put(thing.moved(at, shelf + 0.02, -z + 0.085), random);
+        shapes.put(thing.moved(at, shelf + 0.02, -z + 0.085), random);
         at += 2.0 * radius + random.within(0.01, 0.06);
     }
-    lot.add_to(stage, "on-shelf");
+    shapes.add_to(builder, "on-shelf");
 }
 
 /// The table with its cloth and a lower board.
-fn table(size: Vec2, stage: &mut Stage, random: &mut Random) {
-    let wood = materials::wood(stage, random);
+fn table(size: Vec2, builder: &mut SceneBuilder, random: &mut Random) {
+    let wood = materials::wood(builder, random);
     let (x, z) = (0.5 * size.x - 0.06, 0.5 * size.y - 0.06);
     let corners = [(x, z), (-x, z), (x, -z), (-x, -z)].map(|(x, z)| Vec3::new(x, 0.0, z));
     let top = bevelled_box(size.x, 0.04, size.y, 0.01).moved(0.0, TOP - 0.04, 0.0);
     let low = bevelled_box(2.0 * x, 0.02, 2.0 * z, 0.006).moved(0.0, 0.2, 0.0);
     let rails = cuboid(2.0 * x, 0.1, 0.02).at_each([-z, z].map(|z| Vec3::new(0.0, TOP - 0.14, z)));
-    stage.add("table", wood, top + low + rails + turned_post(TOP - 0.04, 0.035).at_each(corners));
-    let cloth = materials::cloth(stage, random);
+    builder.add("table", wood, top + low + rails + turned_post(TOP - 0.04, 0.035).at_each(corners));
+    let cloth = materials::cloth(builder, random);
     let half = random.within(0.25, 0.4) * size.x;
     let (folds, drop) = (random.count(4, 9) as f32, random.within(0.15, 0.35));
     let edge = 0.5 * size.y + 0.012;
@@ -92,11 +92,11 @@ fn table(size: Vec2, stage: &mut Stage, random: &mut Random) {
             along.clamp(-edge, edge) + along.signum() * (swing + 0.3 * swing.abs()).max(0.0),
         )
     });
-    stage.add("cloth", cloth, runner);
+    builder.add("cloth", cloth, runner);
 }
 
 /// Puts things on a level area, none into another.
-fn spread(area: Vec2, height: f32, count: usize, lot: &mut Lot, random: &mut Random) {
+fn spread(area: Vec2, height: f32, count: usize, shapes: &mut ShapesByMaterial, random: &mut Random) {
     let mut taken: Vec<(Vec2, f32)> = Vec::new();
     for _ in 0..count * 12 {
         let radius = if taken.len() < 5 { random.within(0.07, 0.13) } else { random.within(0.025, 0.075) };
@@ -105,15 +105,21 @@ fn spread(area: Vec2, height: f32, count: usize, lot: &mut Lot, random: &mut Ran
         if taken.len() < count && taken.iter().all(|(other, reach)| at.distance(*other) > radius + reach) {
             taken.push((at, radius));
             let turn = random.angle();
-            thing(radius, height < 0.5, lot, random, |shape| shape.turned(turn).moved(at.x, height, at.y));
+            thing(radius, height < 0.5, shapes, random, |shape| shape.turned(turn).moved(at.x, height, at.y));
         }
     }
 }
 
 /// Something that fits on a disc, lower than the space below a table top if `low`.
-fn thing(radius: f32, low: bool, lot: &mut Lot, random: &mut Random, place: impl Fn(Shape) -> Shape) {
+fn thing(
+    radius: f32,
+    low: bool,
+    shapes: &mut ShapesByMaterial,
+    random: &mut Random,
+    place: impl Fn(Shape) -> Shape,
+) {
     match random.count(0, 9) {
-        0 | 1 if radius > 0.06 => fruit_bowl(radius, lot, random, place),
+        0 | 1 if radius > 0.06 => fruit_bowl(radius, shapes, random, place),
         2 | 3 if radius > 0.05 => {
             let mut y = 0.0;
             for _ in 0..random.count(2, 6) {
@@ -123,17 +129,17 @@ fn thing(radius: f32, low: bool, lot: &mut Lot, random: &mut Random, place: impl
                     y + 0.5 * thickness,
                     0.0,
                 );
-                lot.put(place(flat.turned(twist)), random);
+                shapes.put(place(flat.turned(twist)), random);
                 y += thickness;
             }
         }
-        4 => lot.put(place(vessels::plate(radius)), random),
-        5 => lot.put(place(fruit(radius, random)), random),
+        4 => shapes.put(place(vessels::plate(radius)), random),
+        5 => shapes.put(place(fruit(radius, random)), random),
         _ => {
             let tall = if low { 0.35 } else { random.within(0.2, 0.5) };
             let height = (radius * random.within(2.0, 4.5)).min(tall);
             let shape = upright(radius, height, random);
-            lot.put(place(shape), random);
+            shapes.put(place(shape), random);
         }
     }
 }
@@ -166,9 +172,14 @@ fn fruit(radius: f32, random: &mut Random) -> Shape {
 }
 
 /// A bowl heaped with apples.
-fn fruit_bowl(radius: f32, lot: &mut Lot, random: &mut Random, place: impl Fn(Shape) -> Shape) {
+fn fruit_bowl(
+    radius: f32,
+    shapes: &mut ShapesByMaterial,
+    random: &mut Random,
+    place: impl Fn(Shape) -> Shape,
+) {
     let height = radius * random.within(0.5, 0.8);
-    lot.put(place(vessels::bowl(radius, height)), random);
+    shapes.put(place(vessels::bowl(radius, height)), random);
     let size = 0.3 * radius;
     let heap = |ring: f32, count: usize, y: f32, start: f32| {
         (0..count).map(move |i| {
@@ -182,6 +193,6 @@ fn fruit_bowl(radius: f32, lot: &mut Lot, random: &mut Random, place: impl Fn(Sh
     for point in points {
         let tilt = random.within(-0.6, 0.6);
         let fruit = if random.chance(0.8) { vessels::apple(size) } else { vessels::pear(size) };
-        lot.put(place(fruit.pitched(tilt).at(point)), random);
+        shapes.put(place(fruit.pitched(tilt).at(point)), random);
     }
 }

@@ -1,11 +1,11 @@
 //! Captures to train on: plain and turned things in greys on a table.
 
+use super::capture_table::{self, laid};
 use super::furniture::book;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{icosphere, rounded_box};
-use super::stage::Stage;
-use super::studio::{furnish, laid};
 use super::sweep::lathe;
 use super::vessels;
 use glam::Vec2;
@@ -15,8 +15,8 @@ use std::f32::consts::PI;
 const STEPS: usize = 6;
 
 /// Builds a table with things on it.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    furnish(thing, stage, random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    capture_table::build(thing, builder, random);
 }
 
 fn thing(random: &mut Random) -> Shape {

@@ -3,9 +3,9 @@
 use super::materials;
 use super::noise;
 use super::random::Random;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{beam, bevelled_box, cuboid, frustum, icosphere};
-use super::stage::Stage;
 use super::surface::ground;
 use super::sweep::extrude;
 use glam::{Vec2, Vec3};
@@ -15,30 +15,30 @@ use std::f32::consts::PI;
 const SIDE: usize = 160;
 
 /// Heights on a square grid around the origin.
-struct Land {
+struct Heightfield {
     size: f32,
     heights: Vec<f32>,
 }
 
 /// Builds a landscape.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    let land = Land::drawn(random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    let land = Heightfield::drawn(random);
     let (low, high) = land.range();
-    let rock = materials::stone(stage, random);
+    let rock = materials::stone(builder, random);
     let surface =
         ground(Vec2::splat(land.size), SIDE - 1, low - 0.02 * land.size, |x, z| land.height(Vec2::new(x, z)));
-    let earth = materials::earth(stage, random);
-    stage.add("land", if random.chance(0.5) { rock } else { earth }, surface);
-    stage.add("boulders", rock, boulders(&land, random));
-    let green = materials::foliage(stage, random);
-    stage.add("trees", green, trees(&land, 0.5 * (low + high), random));
-    let wood = materials::wood(stage, random);
-    stage.add("huts", wood, (0..random.count(3, 7)).map(|_| hut(&land, random)).collect());
-    stage.add("logs", wood, (0..random.count(8, 20)).map(|_| log(&land, random)).collect());
-    stage.sun(random);
+    let earth = materials::earth(builder, random);
+    builder.add("land", if random.chance(0.5) { rock } else { earth }, surface);
+    builder.add("boulders", rock, boulders(&land, random));
+    let green = materials::foliage(builder, random);
+    builder.add("trees", green, trees(&land, 0.5 * (low + high), random));
+    let wood = materials::wood(builder, random);
+    builder.add("huts", wood, (0..random.count(3, 7)).map(|_| hut(&land, random)).collect());
+    builder.add("logs", wood, (0..random.count(8, 20)).map(|_| log(&land, random)).collect());
+    builder.sun(random);
 }
 
-impl Land {
+impl Heightfield {
     fn drawn(random: &mut Random) -> Self {
         let size = random.within(24.0, 40.0);
         let (seed, steep) = (random.bits(), random.within(0.22, 0.38) * size);
@@ -147,7 +147,7 @@ fn cut_into_steps(height: f32, step: f32) -> f32 {
     step * (level + 0.2 * inside + 0.8 * steep)
 }
 
-fn boulders(land: &Land, random: &mut Random) -> Shape {
+fn boulders(land: &Heightfield, random: &mut Random) -> Shape {
     let count = random.count(160, 260);
     let stones: Vec<Shape> = [2, 2, 2, 3, 3]
         .into_iter()
@@ -177,7 +177,7 @@ fn boulders(land: &Land, random: &mut Random) -> Shape {
 }
 
 /// Conifers where it is low and not too steep.
-fn trees(land: &Land, below: f32, random: &mut Random) -> Shape {
+fn trees(land: &Heightfield, below: f32, random: &mut Random) -> Shape {
     let mut shape = Shape::default();
     for _ in 0..random.count(150, 350) {
         let place = land.place(random);
@@ -199,7 +199,7 @@ fn trees(land: &Land, below: f32, random: &mut Random) -> Shape {
 }
 
 /// A hut of logs on a footing.
-fn hut(land: &Land, random: &mut Random) -> Shape {
+fn hut(land: &Heightfield, random: &mut Random) -> Shape {
     let size = Vec2::new(random.within(1.6, 2.6), random.within(1.4, 2.0));
     let wall = random.within(1.2, 1.8);
     let mut shape = cuboid(size.x + 0.1, 1.3, size.y + 0.1).moved(0.0, -1.0, 0.0);
@@ -242,7 +242,7 @@ fn hut(land: &Land, random: &mut Random) -> Shape {
 }
 
 /// A fallen trunk that follows the slope.
-fn log(land: &Land, random: &mut Random) -> Shape {
+fn log(land: &Heightfield, random: &mut Random) -> Shape {
     let place = land.place(random);
     let along = Vec2::from_angle(random.angle()) * random.within(0.6, 1.4);
     let (from, to) = (land.at(place - along), land.at(place + along));

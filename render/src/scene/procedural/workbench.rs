@@ -1,20 +1,20 @@
 //! Captures to test on: things in greys on the table of [`super::tabletop`], none of a shape that lies there.
 
+use super::capture_table::{self, laid};
 use super::noise;
 use super::random::Random;
 use super::rides::tyre;
+use super::scene_builder::SceneBuilder;
 use super::shape::Shape;
 use super::solids::{icosphere, torus};
-use super::stage::Stage;
-use super::studio::{furnish, laid};
 use super::surface::{isosurface, smooth_min};
 use super::sweep::{extrude, tube};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Builds a table with things on it.
-pub fn build(stage: &mut Stage, random: &mut Random) {
-    furnish(thing, stage, random);
+pub fn build(builder: &mut SceneBuilder, random: &mut Random) {
+    capture_table::build(thing, builder, random);
 }
 
 fn thing(random: &mut Random) -> Shape {

@@ -1,7 +1,7 @@
 //! Made-up files.
 
 use super::*;
-use crate::wgsl::place::place;
+use crate::wgsl::source_line::place;
 
 fn joined(files: &'static [(&'static str, &'static str)], roots: &[&'static str]) -> Result<Product, String> {
     Product::joined(Library(files), roots)

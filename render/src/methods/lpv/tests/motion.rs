@@ -65,7 +65,7 @@ fn nothing_is_left_of_another_frame() {
     let there = GpuGBuffer::upload(&gpu.device, &gbuffer, method.attributes()).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), &view).expect("room");
     let inputs = Inputs { gbuffer: &there, environment: None, world: Some(&world) };
-    let plan = Plan::new(&method, &inputs, &view).expect("room");
+    let passes = MethodPasses::new(&method, &inputs, &view).expect("room");
     let lights = scene.scene().lights.clone();
     let brighter = |light: &Light| match *light {
         Light::Point { position, intensity, range } => {
@@ -76,8 +76,8 @@ fn nothing_is_left_of_another_frame() {
     let others: Vec<Light> = lights.iter().map(brighter).collect();
     let image = |lights: &[Light]| -> Vec<f32> {
         world.gpu_lights.set(&gpu.queue, lights, &[true; 3]);
-        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| plan.encode(encoder)).expect("valid passes");
-        gpu::read(&gpu.device, &gpu.queue, plan.output()).expect("an image")
+        gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
+        gpu::read(&gpu.device, &gpu.queue, passes.output()).expect("an image")
     };
     let first = image(&lights);
     assert!(mean(&image(&others)) > 1.2 * mean(&first));

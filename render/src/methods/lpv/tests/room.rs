@@ -19,7 +19,7 @@ pub fn shaded(technique: &impl Technique, scene: Scene, camera: Camera) -> Vec<f
 }
 
 /// A scene as it is seen from a corner of the room.
-pub fn from_a_corner(scene: Scene) -> Seen {
+pub fn from_a_corner(scene: Scene) -> ViewedScene {
     let scene = TracedScene::new(scene).expect("triangles");
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let view = View { camera, radius: 20.0, ..view(30, 40, 1.0) };

@@ -1,7 +1,7 @@
 //! Where geometry or the medium degenerates: every image is finite, and that of a march of many steps.
 
 use super::*;
-use crate::methods::shafts::{Place, ViewRays};
+use crate::methods::shafts::{LampPosition, ViewRays};
 use crate::scene::DensityGrid;
 use crate::scene::TextureId;
 use crate::scene::{Encoding, Texture, Wrap};
@@ -60,7 +60,7 @@ fn shows(camera: &Camera, towards: Vec3) -> bool {
     let scene = scene(pergola(), vec![], fog(0.5, AROUND));
     let gbuffer = gbuffer::render(&scene, camera, SIZE[0], SIZE[1], &[Attribute::Depth, Attribute::Valid]);
     let rays = ViewRays::of(&Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 });
-    let geometry = epipolar::Geometry::new(camera.position, Place::Distant(towards)).expect("a sun");
+    let geometry = epipolar::Geometry::new(camera.position, LampPosition::Distant(towards)).expect("a sun");
     let at = geometry.epipole(&rays);
     (0.0..SIZE[1] as f64).contains(&at.x) && (0.0..SIZE[0] as f64).contains(&at.y)
 }

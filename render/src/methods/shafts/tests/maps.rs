@@ -1,7 +1,7 @@
 //! Shadow maps, against rays.
 
 use super::*;
-use crate::methods::shafts::{Lamp, Place, ShadowMap};
+use crate::methods::shafts::{Lamp, LampPosition, ShadowMap};
 use crate::sampler::hash;
 
 #[test]
@@ -30,8 +30,8 @@ fn light_gets_as_far_as_rays_say() {
                 continue;
             }
             let (direction, reach) = match lamp.place {
-                Place::Distant(towards) => (towards, f32::INFINITY),
-                Place::Local(position) => (position - point, 1.0),
+                LampPosition::Distant(towards) => (towards, f32::INFINITY),
+                LampPosition::Local(position) => (position - point, 1.0),
             };
             let reaches = !scene.blocked(point, direction, reach);
             points += 1;

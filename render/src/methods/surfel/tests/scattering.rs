@@ -15,7 +15,7 @@ use deepshade_shaders::random::random;
 use deepshade_shaders::{Attribute, Effect, GBuffer};
 use std::f32::consts::PI;
 
-type Seen = (TracedScene, View, GBuffer);
+type ViewedScene = (TracedScene, View, GBuffer);
 
 const SIZE: usize = 64;
 /// What the images of sheets show of them, metres; a pixel is a 64th of it.
@@ -23,7 +23,7 @@ const EDGE: f32 = 0.1;
 const PIXEL: f32 = EDGE / SIZE as f32;
 
 /// What a camera sees of a scene, with all that scattering reads.
-fn looked_at(scene: Scene, camera: Camera, [height, width]: [usize; 2], radius: f32) -> Seen {
+fn looked_at(scene: Scene, camera: Camera, [height, width]: [usize; 2], radius: f32) -> ViewedScene {
     let scene = TracedScene::new(scene).expect("triangles");
     let gbuffer = gbuffer::render(&scene, &camera, height, width, &Attribute::ALL);
     (scene, View { camera, ..view(height, width, radius) }, gbuffer)
@@ -63,14 +63,15 @@ fn parameters(scale: f32, levels: u32) -> SurfelParameters {
     SurfelParameters { surfels: surfels::SurfelDensity { scale, near: 0.25 }, levels, ..SHARP }
 }
 
-fn plain((scene, view, gbuffer): &Seen, parameters: &SurfelParameters) -> Planes {
+fn plain((scene, view, gbuffer): &ViewedScene, parameters: &SurfelParameters) -> Planes {
     let surface = &Surface::of(gbuffer).expect("a surface");
-    let disks = surfels::reference::laid(scene, &parameters.surfels, view, Some(surfels::Lit::Received));
+    let disks =
+        surfels::reference::laid(scene, &parameters.surfels, view, Some(surfels::SurfelLight::Received));
     let plain = Plain { gbuffer, surface, scene, environment: None, parameters, view };
     (SCATTERING.plain)(&plain, &disks).expect("attributes")
 }
 
-fn image(method: &ScreenMethod, (scene, view, gbuffer): &Seen) -> Planes {
+fn image(method: &ScreenMethod, (scene, view, gbuffer): &ViewedScene) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     Method::shade(method, &frame, Repeats::ONCE).expect("an image").image
 }
@@ -154,7 +155,7 @@ fn a_step_of_light_becomes_the_integral_of_the_profile() {
 }
 
 /// A slab of white wax, so many mean free paths thick, lit from one side; its two sides are one mesh.
-fn slab(paths: f32, light: Light) -> Seen {
+fn slab(paths: f32, light: Light) -> ViewedScene {
     let thickness = 0.01;
     let side =
         |z: f32| [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)].map(|(x, y)| Vec3::new(0.5 * x, 0.5 * y, z));
@@ -302,7 +303,7 @@ fn without_surfels_or_ways_below_light_stays_where_it_is() {
 }
 
 /// A still life of wax under a lamp.
-fn still_life() -> Seen {
+fn still_life() -> ViewedScene {
     let mut scene = Family::StillLife.scene(3);
     let (middle, diagonal) = (scene.bounds().centre(), scene.bounds().diagonal());
     for material in &mut scene.materials {

@@ -12,7 +12,7 @@ const IRRADIANCE: f32 = 2.0;
 /// Fog from x = 0 to 3 that a camera at x = -1 looks through along x before a wall, in sunlight from above
 /// it, which passes no fog on its way where the fog is a thin sheet; `roof` is what it does not pass, from
 /// one x to another.
-fn sheet(extinction: f32, roof: Option<[f32; 2]>) -> Seen {
+fn sheet(extinction: f32, roof: Option<[f32; 2]>) -> ViewedScene {
     let wall = quad([(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)].map(|(y, z)| Vec3::new(3.0, y, z)));
     let roof = roof.map(|[from, to]| {
         quad([(from, -4.0), (to, -4.0), (to, 4.0), (from, 4.0)].map(|(x, z)| Vec3::new(x, 2.0, z)))

@@ -5,7 +5,7 @@ use crate::methods::proving::view;
 use crate::path::proving::quad;
 use crate::scene::{Camera, DensityGrid, Light, Material};
 
-fn room(lights: Vec<Light>, eye: Vec3, target: Vec3, medium: Option<Medium>) -> Seen {
+fn room(lights: Vec<Light>, eye: Vec3, target: Vec3, medium: Option<Medium>) -> ViewedScene {
     let (scene, _, _) = corner();
     let view = View { camera: Camera::look_at(eye, target), radius: 1.0, ..view(24, 32, 1.0) };
     seen_in(Scene { lights, ..scene.scene().clone() }, medium, view)

@@ -5,7 +5,7 @@ use crate::methods::proving::mean_difference;
 use crate::methods::volume_shell::direct::Direct;
 use crate::path::{self, Sampling, Shot};
 
-fn truth(effect: Effect, (scene, view, _): &Seen) -> Planes {
+fn truth(effect: Effect, (scene, view, _): &ViewedScene) -> Planes {
     let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
     path::render(effect, &shot, Sampling::one(256, 1)).mean
 }

@@ -1,9 +1,9 @@
 //! What splatting takes grows linearly, counted, not timed.
 
 use super::*;
-use crate::methods::volume_shell::reference::{Work, work};
+use crate::methods::volume_shell::reference::{SplatCounts, work};
 
-fn of(parameters: VolumeShellParameters, (scene, view, gbuffer): &Seen) -> Work {
+fn of(parameters: VolumeShellParameters, (scene, view, gbuffer): &ViewedScene) -> SplatCounts {
     work(gbuffer, scene, &parameters, view).expect("attributes")
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use std::path::Path;
 
-fn read(text: &str) -> (Vec<Stated>, Vec<String>) {
+fn read(text: &str) -> (Vec<MtlMaterial>, Vec<String>) {
     let mut warnings = Warnings::default();
     let materials = parse(text, &Files::beside(Path::new("no such folder"), Path::new("")), &mut warnings);
     (materials, warnings.about(Path::new("a")))
@@ -20,7 +20,10 @@ fn one_number_is_grey_and_what_is_no_colour_is_said_and_passed_over() {
     assert!(warnings.is_empty());
     for odd in ["Kd 1 0", "Kd", "Ks nan 1 1", "Kd spectral a.rfl", "Ke xyz 1 1 1", "d inf", "Pr very"] {
         let (read_of, warnings) = read(&format!("newmtl a\nKa spectral a.rfl\n{odd}\nNs 3\n"));
-        assert_eq!(read_of[0], Stated { name: "a".into(), exponent: Some(3.0), ..Stated::default() });
+        assert_eq!(
+            read_of[0],
+            MtlMaterial { name: "a".into(), exponent: Some(3.0), ..MtlMaterial::default() }
+        );
         assert!(warnings.len() == 1 && warnings[0].starts_with("a: line 3: "), "{odd}: {warnings:?}");
     }
 }
