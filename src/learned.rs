@@ -16,13 +16,13 @@ use deepshade_infer::forward::ForwardError;
 use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_render::methods::estimate::Estimator;
+use deepshade_render::methods::estimate::{EstimateInputs, Estimator};
 use deepshade_render::screen::{GpuGBuffer, View};
 #[cfg(feature = "train")]
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
-use estimates::Estimates;
+use estimates::{Estimates, SEED};
 use std::path::{Path, PathBuf};
 
 pub use recorded::Recorded;
@@ -128,7 +128,10 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
         add(&Attribute::Position);
     }
     for estimate in &spec.estimates {
-        Estimator::named(&estimate.method, &estimate.quality)?.reads().iter().for_each(&mut add);
+        let estimator = Estimator::named(&estimate.method, &estimate.quality)?;
+        // Of a file nobody knows the scene: it has to have what that alone tells.
+        let of_file = if estimator.reads_scene() { estimator.makes() } else { estimator.reads() };
+        of_file.iter().for_each(&mut add);
     }
     Ok(reads)
 }
@@ -190,7 +193,7 @@ impl Learned {
     #[cfg(feature = "train")]
     pub fn input(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Result<Planes, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
-        let (estimated, _) = Estimates::new(spec)?.of(gbuffer, radius, Repeats::ONCE)?;
+        let (estimated, _) = Estimates::new(spec)?.of(&of_gbuffer(gbuffer, radius), Repeats::ONCE)?;
         let prepared = spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing)?;
         let scaling = spec.scaling(&prepared, radius).map_err(missing)?;
         spec.input(&prepared, scaling, 0).map_err(missing)
@@ -206,40 +209,52 @@ impl Learned {
     /// network, without sending the g-buffer to a card and the image back.
     ///
     /// # Errors
-    /// If the g-buffer lacks something or the device fails.
+    /// If the g-buffer lacks something, an estimate asks for the scene, or the device fails.
     pub fn image(&self, gbuffer: &GBuffer, radius: f32, repeats: Repeats) -> Result<Shaded, MethodError> {
-        let waited_for = gpu::wait(self.image_async(gbuffer, radius, repeats));
-        waited_for.map_err(|source| MethodError::Gpu { method: LEARNED, source })?
+        self.image_of(&of_gbuffer(gbuffer, radius), repeats)
     }
 
     /// As [`Learned::image`], awaited.
     ///
     /// # Errors
-    /// If the g-buffer lacks something or the device fails.
+    /// As [`Learned::image`].
     pub async fn image_async(
         &self,
         gbuffer: &GBuffer,
         radius: f32,
         repeats: Repeats,
     ) -> Result<Shaded, MethodError> {
-        let runner = self.engine.on_card([gbuffer.height(), gbuffer.width()]).map_err(failed)?;
+        self.image_of_async(&of_gbuffer(gbuffer, radius), repeats).await
+    }
+
+    fn image_of(&self, inputs: &EstimateInputs<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
+        let waited_for = gpu::wait(self.image_of_async(inputs, repeats));
+        waited_for.map_err(|source| MethodError::Gpu { method: LEARNED, source })?
+    }
+
+    async fn image_of_async(
+        &self,
+        inputs: &EstimateInputs<'_>,
+        repeats: Repeats,
+    ) -> Result<Shaded, MethodError> {
+        let size = [inputs.gbuffer.height(), inputs.gbuffer.width()];
+        let runner = self.engine.on_card(size).map_err(failed)?;
         match self.card.as_ref().zip(runner) {
-            Some((card, runner)) => card.image(runner, gbuffer, radius, repeats).await,
-            None => self.image_by_processor(gbuffer, radius, repeats).await,
+            Some((card, runner)) => card.image(runner, inputs, repeats).await,
+            None => self.image_by_processor(inputs, repeats).await,
         }
     }
 
-    /// As [`Learned::image_async`], where the processor runs the network.
+    /// What is made where the processor runs the network.
     async fn image_by_processor(
         &self,
-        gbuffer: &GBuffer,
-        radius: f32,
+        inputs: &EstimateInputs<'_>,
         repeats: Repeats,
     ) -> Result<Shaded, MethodError> {
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
-        let spec = self.spec();
+        let (spec, EstimateInputs { gbuffer, radius, .. }) = (self.spec(), *inputs);
         let Repeats { warm_up, timed } = repeats;
-        let (estimated, of_estimates) = self.estimates.of(gbuffer, radius, repeats)?;
+        let (estimated, of_estimates) = self.estimates.of(inputs, repeats)?;
         let prepare = || spec.prepared(estimated.as_ref().unwrap_or(gbuffer), radius).map_err(missing);
         let (prepared, of_preparing) = estimates::timed(prepare, repeats)?;
         let mut milliseconds = of_estimates + of_preparing;
@@ -292,8 +307,14 @@ impl Method for Learned {
     }
 
     fn shade(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        self.image(frame.gbuffer, frame.radius, repeats)
+        let scene = Some((frame.scene, frame.camera));
+        self.image_of(&EstimateInputs { scene, ..of_gbuffer(frame.gbuffer, frame.radius) }, repeats)
     }
+}
+
+/// What estimates are made of where nothing but the g-buffer is known.
+const fn of_gbuffer(gbuffer: &GBuffer, radius: f32) -> EstimateInputs<'_> {
+    EstimateInputs { gbuffer, radius, seed: SEED, scene: None }
 }
 
 fn failed(error: ForwardError) -> MethodError {

@@ -22,7 +22,7 @@ use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
 use deepshade_shaders::similarity::TILE;
 use deepshade_train::config::MOST_MINUTES;
 use deepshade_train::{Ending, Endless, Optimiser, TrainConfig, TrainingOutcome};
-use network::{CHANNELS, ESTIMATE, Network, channels, corrected_config, diagonal_share, estimate};
+use network::{CHANNELS, Network, channels, corrected_config, diagonal_share, estimate};
 use serde_json::json;
 use source::TrainingSource;
 use std::path::{Path, PathBuf};
@@ -51,9 +51,10 @@ pub struct Args {
     /// Channels of the corrected network at half the resolution.
     #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
-    /// The estimate that the corrected network reads, METHOD:QUALITY.
-    #[arg(long, default_value = ESTIMATE, value_parser = estimate)]
-    estimate: AnalyticEstimate,
+    /// The estimate that the corrected network reads, METHOD:QUALITY [default: gtao:high for ao, surfel:low for
+    /// gi].
+    #[arg(long, value_parser = estimate)]
+    estimate: Option<AnalyticEstimate>,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.
     #[arg(long)]
     out: Location,

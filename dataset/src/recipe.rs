@@ -10,6 +10,7 @@ mod check;
 pub mod drawn;
 
 use crate::{DatasetError, Vary};
+use deepshade_render::methods::estimate::Estimator;
 use deepshade_render::scene::procedural::Split;
 use deepshade_shaders::{Attribute, Effect, names};
 use glam::Vec3;
@@ -82,6 +83,10 @@ pub struct Recipe {
     /// Recipes for testing whose scene files must not be in `files`, relative to the recipe's folder.
     #[serde(default)]
     pub test_recipes: Vec<PathBuf>,
+    /// Methods that look beyond the screen and estimate what a network reads, METHOD:QUALITY: pairs hold their
+    /// images. Other estimates are made of a pair's g-buffer whenever it is read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub estimates: Vec<String>,
     /// How a test set is made; see [`crate::testset`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<Tiles>,
@@ -266,8 +271,21 @@ impl Recipe {
         self.vary.as_ref().is_some_and(|vary| vary.timeline.is_some())
     }
 
-    /// The attributes of its pairs: those of its effect, and in a timeline how things move.
+    /// The attributes of its pairs: what is [seen](Recipe::seen_attributes), and what methods that look beyond
+    /// the screen estimate.
     pub fn attributes(&self) -> Vec<Attribute> {
+        let mut attributes = self.seen_attributes();
+        attributes.extend(self.estimators().flat_map(|estimator| estimator.makes()));
+        attributes
+    }
+
+    /// The methods that look beyond the screen and estimate what a network reads.
+    pub(crate) fn estimators(&self) -> impl Iterator<Item = Estimator> {
+        self.estimates.iter().filter_map(|text| Estimator::parse(text).ok())
+    }
+
+    /// What of a scene is seen in its pairs: the attributes of its effect, and in a timeline how things move.
+    pub fn seen_attributes(&self) -> Vec<Attribute> {
         let mut attributes = self.effect.attributes().to_vec();
         if self.is_timeline() && !attributes.contains(&Attribute::Motion) {
             // The mask is the last of all.

@@ -141,14 +141,17 @@ impl NetSpec {
         estimate: AnalyticEstimate,
         reach: Reach,
     ) -> Option<Self> {
-        use Attribute::{Border, Normal, Openness, PixelRadius, RawOpenness, Relief};
-        let (inputs, of, over) = match effect {
-            Effect::Ao => {
-                (vec![Normal, Relief, PixelRadius, Border, Openness, RawOpenness], Openness, RawOpenness)
-            }
+        use Attribute::{
+            Border, DiffuseLight, IndirectLight, Normal, Openness, PixelRadius, RawOpenness, Relief,
+        };
+        let local = [Normal, Relief, PixelRadius, Border];
+        let (made, of, over) = match effect {
+            Effect::Ao => ([Openness, RawOpenness], Openness, RawOpenness),
+            Effect::Gi => ([DiffuseLight, IndirectLight], IndirectLight, IndirectLight),
             _ => return None,
         };
-        let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
+        let inputs = [&local[..], &made].concat();
+        let correction = Correction { of, over, levels: 2, kernel: 3, gain: effect == Effect::Gi };
         Some(Self::correcting(effect, inputs, vec![estimate], correction, channels, reach))
     }
 

@@ -1,14 +1,14 @@
 //! What runs before and after a trained network on a card, compiled once.
 
-use super::estimates::estimator;
+use super::estimates::{estimator, no_estimate};
 use super::recorded::{EstimatePasses, NetworkRun, Recorded};
 use super::{LEARNED, failed};
 use crate::methods::open_screen;
 use deepshade_infer::forward::{FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource, Runner};
 use deepshade_infer::{NetSpec, Scaling};
-use deepshade_render::method::{Clock, MethodError, Repeats, Shaded};
+use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::Quality;
-use deepshade_render::methods::estimate::Estimator;
+use deepshade_render::methods::estimate::{EstimateInputs, Estimator};
 use deepshade_render::scene::Camera;
 use deepshade_render::screen::{GpuGBuffer, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
@@ -53,11 +53,13 @@ impl Card {
     pub async fn image(
         &self,
         runner: Arc<Runner>,
-        gbuffer: &GBuffer,
-        radius: f32,
+        inputs: &EstimateInputs<'_>,
         repeats: Repeats,
     ) -> Result<Shaded, MethodError> {
         let Gpu { device, queue, .. } = &self.gpu;
+        let radius = inputs.radius;
+        let (gbuffer, of_scene) = self.with_estimates_of_scene(inputs, repeats)?;
+        let gbuffer = gbuffer.as_ref().unwrap_or(inputs.gbuffer);
         let seen =
             GpuGBuffer::upload(device, gbuffer, &self.reads()).map_err(|error| error.of_method(LEARNED))?;
         let (view, channels) = (view(gbuffer, radius), self.spec.effect.channels());
@@ -73,10 +75,31 @@ impl Card {
         let data = gpu::read_async(device, queue, &image).await.map_err(refused)?;
         Ok(Shaded {
             image: Planes::from_data(channels, view.height, view.width, data),
-            milliseconds: timing.milliseconds,
+            milliseconds: timing.milliseconds + of_scene,
             clock: if timing.by_gpu { Clock::Gpu } else { Clock::Cpu },
             device: self.gpu.info.name.clone(),
         })
+    }
+
+    /// The g-buffer with what methods estimate that look beyond the screen, by their own passes, and the
+    /// milliseconds of these; none where it has it, or none do.
+    fn with_estimates_of_scene(
+        &self,
+        inputs: &EstimateInputs<'_>,
+        repeats: Repeats,
+    ) -> Result<(Option<GBuffer>, f64), MethodError> {
+        let EstimateInputs { gbuffer, radius, seed, scene } = *inputs;
+        let (mut with, mut milliseconds) = (None, 0.0);
+        for (estimator, method) in self.estimators.iter().zip(&self.methods) {
+            if estimator.reads_scene() && !estimator.is_made(gbuffer) {
+                let (scene, camera) = scene.ok_or_else(|| no_estimate(estimator.wants_scene()))?;
+                let shaded = method.shade(&Frame { scene, camera, gbuffer, radius, seed }, repeats)?;
+                milliseconds += shaded.milliseconds;
+                let before = with.as_ref().unwrap_or(gbuffer);
+                with = Some(before.with(estimator.makes(), shaded.image.data()));
+            }
+        }
+        Ok((with, milliseconds))
     }
 
     /// All passes from a g-buffer on the card to an image, `[effect's channels, height, width]`, there.
@@ -94,7 +117,7 @@ impl Card {
         let estimates = self.estimates(gbuffer, view)?;
         let mut attributes: Vec<(Attribute, &wgpu::Buffer)> =
             gbuffer.attributes().map(|attribute| (attribute, gbuffer.buffer(attribute))).collect();
-        for (estimator, estimate) in self.estimators.iter().zip(&estimates) {
+        for (estimator, estimate) in self.on_screen().map(|(estimator, _)| estimator).zip(&estimates) {
             attributes.extend(estimator.makes().iter().copied().zip(estimate.images()));
         }
         let (size, frame) = ([view.height, view.width], scale(view, scaling));
@@ -113,13 +136,16 @@ impl Card {
 
     /// Tells recorded passes of another frame.
     pub fn look(&self, recorded: &Recorded, view: &View, scaling: Scaling) {
-        recorded.set(&self.gpu.queue, &self.methods, view, scale(view, scaling));
+        let methods: Vec<&ScreenMethod> = self.on_screen().map(|(_, method)| method).collect();
+        recorded.set(&self.gpu.queue, &methods, view, scale(view, scaling));
     }
 
     /// What is read of a g-buffer, by the methods that estimate, too.
     fn reads(&self) -> Vec<Attribute> {
         let mut reads = self.input.reads();
-        reads.retain(|attribute| !Attribute::MADE.contains(attribute));
+        let of_scene = self.estimators.iter().filter(|estimator| estimator.reads_scene());
+        let of_scene: Vec<Attribute> = of_scene.flat_map(|estimator| estimator.makes()).copied().collect();
+        reads.retain(|attribute| !Attribute::MADE.contains(attribute) || of_scene.contains(attribute));
         for attribute in self.methods.iter().flat_map(|method| method.attributes()) {
             if !reads.contains(attribute) {
                 reads.push(*attribute);
@@ -128,8 +154,13 @@ impl Card {
         reads
     }
 
+    /// What is estimated of the g-buffer alone, with the network's other passes.
+    fn on_screen(&self) -> impl Iterator<Item = (&Estimator, &ScreenMethod)> {
+        self.estimators.iter().zip(&self.methods).filter(|(estimator, _)| !estimator.reads_scene())
+    }
+
     fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<EstimatePasses>, MethodError> {
-        let estimates = self.methods.iter().map(|method| EstimatePasses::new(method, gbuffer, view));
+        let estimates = self.on_screen().map(|(_, method)| EstimatePasses::new(method, gbuffer, view));
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
 }

@@ -3,7 +3,7 @@
 use crate::methods::LEARNED;
 use deepshade_infer::NetSpec;
 use deepshade_render::method::{MethodError, Repeats};
-use deepshade_render::methods::estimate::Estimator;
+use deepshade_render::methods::estimate::{EstimateError, EstimateInputs, Estimator};
 use deepshade_shaders::{GBuffer, lists};
 use web_time::Instant;
 
@@ -26,26 +26,32 @@ impl Estimates {
     }
 
     /// The g-buffer with what they make, and how many milliseconds that took; none where a network reads no
-    /// estimates.
+    /// estimates, or has them.
     ///
     /// # Errors
-    /// If the g-buffer lacks something.
+    /// If the g-buffer lacks something, or the scene is not known and has to be.
     pub fn of(
         &self,
-        gbuffer: &GBuffer,
-        radius: f32,
+        inputs: &EstimateInputs<'_>,
         repeats: Repeats,
     ) -> Result<(Option<GBuffer>, f64), MethodError> {
-        let missing = |source| MethodError::Missing { method: LEARNED, source };
         let mut with: Option<GBuffer> = None;
         let mut milliseconds = 0.0;
-        for estimator in &self.methods {
-            let run = || estimator.on_processor(gbuffer, radius, SEED).map_err(missing);
+        for estimator in self.methods.iter().filter(|estimator| !estimator.is_made(inputs.gbuffer)) {
+            let run = || estimator.on_processor(inputs).map_err(no_estimate);
             let (made, time) = timed(run, repeats)?;
             milliseconds += time;
-            with = Some(with.as_ref().unwrap_or(gbuffer).with(estimator.makes(), &made));
+            with = Some(with.as_ref().unwrap_or(inputs.gbuffer).with(estimator.makes(), &made));
         }
         Ok((with, milliseconds))
+    }
+}
+
+/// The error of a method for what a network reads.
+pub fn no_estimate(error: EstimateError) -> MethodError {
+    match error {
+        EstimateError::Missing(source) => MethodError::Missing { method: LEARNED, source },
+        other => MethodError::Other { method: LEARNED, what: other.to_string() },
     }
 }
 
@@ -54,8 +60,7 @@ impl Estimates {
 /// # Errors
 /// If there is no such method or quality.
 pub fn estimator(estimate: &deepshade_infer::AnalyticEstimate) -> Result<Estimator, MethodError> {
-    Estimator::named(&estimate.method, &estimate.quality)
-        .map_err(|error| MethodError::Other { method: LEARNED, what: error.to_string() })
+    Estimator::named(&estimate.method, &estimate.quality).map_err(no_estimate)
 }
 
 /// What work comes to, and the median of the milliseconds that it takes.

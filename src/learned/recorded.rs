@@ -47,7 +47,7 @@ impl Recorded {
     }
 
     /// What holds for another frame, from the next submission on; `methods` are those of the estimates.
-    pub fn set(&self, queue: &Queue, methods: &[ScreenMethod], view: &View, frame: FrameScale) {
+    pub fn set(&self, queue: &Queue, methods: &[&ScreenMethod], view: &View, frame: FrameScale) {
         for (estimate, method) in self.estimates.iter().zip(methods) {
             estimate.passes.look(queue, method, &of_estimates(view));
         }

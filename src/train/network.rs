@@ -20,8 +20,14 @@ const RADII: f32 = 1.0;
 const USUAL_SHARE: f32 = 0.03;
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
-/// The estimate that the corrected network reads.
-pub const ESTIMATE: &str = "gtao:high";
+/// The estimate that the corrected network reads of an effect.
+fn usual_estimate(effect: Effect) -> AnalyticEstimate {
+    let [method, quality] = match effect {
+        Effect::Gi => ["surfel", "low"],
+        _ => ["gtao", "high"],
+    };
+    AnalyticEstimate { method: method.to_owned(), quality: quality.to_owned() }
+}
 
 /// Which network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -35,9 +41,8 @@ pub enum Network {
 impl Network {
     /// The one that is nearer to truth.
     pub fn best(effect: Effect) -> Self {
-        let estimate = AnalyticEstimate { method: String::new(), quality: String::new() };
         let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
-        match NetSpec::corrected(effect, CHANNELS, estimate, reach) {
+        match NetSpec::corrected(effect, CHANNELS, usual_estimate(effect), reach) {
             Some(_) => Self::Corrected,
             None => Self::Paper,
         }
@@ -52,8 +57,8 @@ pub fn channels(text: &str) -> Result<usize, String> {
 
 /// Reads an estimate.
 pub fn estimate(text: &str) -> Result<AnalyticEstimate, String> {
-    let (method, quality) = text.split_once(':').ok_or_else(|| format!("`{text}` is not METHOD:QUALITY"))?;
-    Estimator::named(method, quality).map_err(|error| error.to_string())?;
+    Estimator::parse(text).map_err(|error| error.to_string())?;
+    let (method, quality) = text.split_once(':').unwrap_or_default();
     Ok(AnalyticEstimate { method: method.to_owned(), quality: quality.to_owned() })
 }
 
@@ -82,7 +87,7 @@ pub fn diagonal_share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> 
 /// The defaults for data that a recipe makes, and the network that is nearest to truth.
 pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
-    let estimate = estimate(ESTIMATE).map_err(anyhow::Error::msg)?;
+    let estimate = usual_estimate(recipe.effect);
     match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
         (Some(spec), _) => Ok(correcting(spec, data)),
         (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
@@ -98,7 +103,8 @@ pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<Tra
     let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
     let reach =
         Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
-    let spec = NetSpec::corrected(effect, args.channels, args.estimate.clone(), reach)
+    let estimate = args.estimate.clone().unwrap_or_else(|| usual_estimate(effect));
+    let spec = NetSpec::corrected(effect, args.channels, estimate, reach)
         .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
     Ok(correcting(spec, data))
 }

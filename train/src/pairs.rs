@@ -2,7 +2,7 @@
 //! as half floats.
 
 use crate::TrainError;
-use deepshade_dataset::{Dataset, Manifest, Pair, with_estimates};
+use deepshade_dataset::{Dataset, EstimateInputs, Manifest, Pair, with_estimates};
 use deepshade_infer::{NetSpec, Scaling};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, exposure, shows_surface};
 use half::f16;
@@ -100,7 +100,8 @@ impl HalfPair {
             return Err(format!("its radius is {}", pair.radius));
         }
         let methods = spec.estimates.iter().map(|estimate| (&estimate.method[..], &estimate.quality[..]));
-        let gbuffer = with_estimates(&pair.gbuffer, methods, pair.radius, seed);
+        let inputs = EstimateInputs { gbuffer: &pair.gbuffer, radius: pair.radius, seed, scene: None };
+        let gbuffer = with_estimates(&inputs, methods);
         let gbuffer = gbuffer.map_err(|error| error.to_string())?;
         let gbuffer = spec.prepared(&gbuffer, pair.radius).map_err(|error| error.to_string())?;
         let mut attributes = spec.inputs.clone();

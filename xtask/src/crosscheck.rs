@@ -1,8 +1,9 @@
 //! `cargo xtask crosscheck`: truth against Mitsuba 3.
 
+use crate::program::{AS_TESTS, Program};
 use crate::{
     apt,
-    command::{self, cargo, command},
+    command::{self, command},
     python,
 };
 use anyhow::{Result, bail};
@@ -25,8 +26,8 @@ pub fn run(args: &[String]) -> Result<()> {
     let python = python::environment("mitsuba", &MITSUBA)?;
     let llvm = llvm()?;
     let python = python.display().to_string();
-    let build = ["run", "--release", "--locked", "--package", "deepshade-studies", "--"];
-    let mut check = cargo(&[&build[..], &["crosscheck", "--python", &python]].concat());
+    Program::build_by(&AS_TESTS)?;
+    let mut check = Program::studies().command(&["crosscheck", "--python", &python]);
     if let Some(llvm) = llvm {
         check.env("DRJIT_LIBLLVM_PATH", llvm);
     }

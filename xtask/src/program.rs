@@ -1,6 +1,7 @@
 //! The program itself, built as people build it, for commands that watch it from outside.
 
 use crate::command::{self, cargo, command, target};
+use crate::test::FEATURES;
 use anyhow::{Context, Result, ensure};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -9,6 +10,10 @@ use std::process::Command;
 /// Arguments of cargo's that build the program and that of studies; features come behind them.
 pub const WITH_STUDIES: [&str; 7] =
     ["build", "--release", "--locked", "--package", "deepshade", "--package", "deepshade-studies"];
+
+/// Arguments of cargo's that build all programs as tests are built, so that a machine holds one build of the
+/// dependencies.
+pub const AS_TESTS: [&str; 6] = ["build", "--release", "--locked", "--workspace", "--features", FEATURES];
 
 /// A built program.
 #[derive(Clone, Debug)]

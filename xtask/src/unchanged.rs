@@ -5,8 +5,7 @@
 mod recipe;
 
 use crate::command::target;
-use crate::program::Program;
-use crate::test::FEATURES;
+use crate::program::{AS_TESTS, Program};
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeMap;
 use std::fs;
@@ -40,8 +39,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let (file, writes) = (args.file.as_path(), args.write);
     let expected = if writes { Hashes::new() } else { parse(&read(file)?)? };
-    let program =
-        Program::build_by(&["build", "--release", "--locked", "--workspace", "--features", FEATURES])?;
+    let program = Program::build_by(&AS_TESTS)?;
     let made = target().join("unchanged");
     if made.exists() {
         fs::remove_dir_all(&made).with_context(|| made.display().to_string())?;

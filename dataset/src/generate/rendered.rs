@@ -2,7 +2,9 @@
 
 use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Pair, Recipe, StagedScene, Variation, truth};
+use deepshade_render::bvh::TracedScene;
 use deepshade_render::method::Frame;
+use deepshade_render::methods::estimate::{EstimateError, EstimateInputs};
 use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::Camera;
 use deepshade_shaders::GBuffer;
@@ -37,6 +39,7 @@ impl Rendered {
         let radius = staged.radius(&camera, seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let gbuffer = staged.gbuffer(&scene, &camera, seed);
+        let gbuffer = estimated(recipe, gbuffer, (&scene, &camera), radius, seed)?;
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed };
         let Estimate { mean, variance, samples } = target(recipe, method, &frame)?;
         let mean = truth::within_half(staged.photographed(mean, seed));
@@ -49,6 +52,25 @@ impl Rendered {
         let Self { gbuffer, target: Estimate { mean, variance, .. }, radius, .. } = self;
         Pair { gbuffer, target: mean, variance, radius }
     }
+}
+
+/// A g-buffer with what the recipe's methods that look beyond the screen estimate.
+fn estimated(
+    recipe: &Recipe,
+    gbuffer: GBuffer,
+    scene: (&TracedScene, &Camera),
+    radius: f32,
+    seed: u32,
+) -> Result<GBuffer, DatasetError> {
+    recipe.estimators().try_fold(gbuffer, |gbuffer, estimator| {
+        let inputs = EstimateInputs { gbuffer: &gbuffer, radius, seed, scene: Some(scene) };
+        let made = estimator.on_processor(&inputs);
+        let refused = |error: EstimateError| DatasetError::Recipe {
+            path: recipe.path.clone(),
+            what: format!("`estimates`: {error}"),
+        };
+        Ok(gbuffer.with(estimator.makes(), &made.map_err(refused)?))
+    })
 }
 
 /// Truth with as many samples as the recipe wants, or what its method makes.

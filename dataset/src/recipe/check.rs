@@ -6,6 +6,7 @@ use super::{FamilyShare, FieldOfView, Radius, Recipe, Resolution, Sequence, View
 use crate::DatasetError;
 use crate::identity::Identity;
 use crate::views::dolly::FIELDS_OF_VIEW;
+use deepshade_render::methods::estimate::Estimator;
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::sampler::MAX_SAMPLES;
 use deepshade_render::scene::Scene;
@@ -48,6 +49,7 @@ impl Recipe {
         between("validation_share", (0.0..=0.5).contains(&self.validation_share), "0 to 0.5")?;
         self.check_smallest()?;
         self.check_radius()?;
+        self.check_estimates()?;
         if let Some(Viewpoint { position, target }) = self.camera {
             let away = (position - target).length();
             between("camera", away.is_finite() && away > 1e-3, "two places that are finite and apart")?;
@@ -99,6 +101,19 @@ impl Recipe {
         between("smallest", holds, &limits)?;
         if self.split == Split::Test {
             return Err("`smallest` is for training: frames of a test set have one size".to_owned());
+        }
+        Ok(())
+    }
+
+    fn check_estimates(&self) -> Result<(), String> {
+        for text in &self.estimates {
+            let estimator = Estimator::parse(text).map_err(|error| format!("`estimates`: {error}"))?;
+            if !estimator.reads_scene() {
+                let method = estimator.method();
+                return Err(format!(
+                    "`estimates`: `{method}` needs no scene; pairs get it when they are read"
+                ));
+            }
         }
         Ok(())
     }

@@ -78,14 +78,14 @@ impl<'a> StagedScene<'a> {
         }
     }
 
-    /// What is known of an image's surfaces, with [`Recipe::attributes`]: what is seen, or what the recipe's
+    /// What is known of an image's surfaces, with [`Recipe::seen_attributes`]: what is seen, or what the recipe's
     /// sensor measures of that, by the image's seed. In a timeline direct light is that of lamps that shine
     /// at the image's moment.
     pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
         let [height, width] = self.size(seed);
         let lit = self.timeline().map(|_| timeline::shining(shown));
         let lit = lit.as_ref().unwrap_or(shown);
-        let seen = gbuffer::render(lit, camera, height, width, &self.recipe.attributes());
+        let seen = gbuffer::render(lit, camera, height, width, &self.recipe.seen_attributes());
         match self.sensor() {
             Some(sensor) => sensor.surface(&seen, camera, seed),
             None => seen,

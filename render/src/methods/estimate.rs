@@ -4,7 +4,7 @@ use super::{Quality, Surface, gtao, surfel};
 use crate::bvh::TracedScene;
 use crate::scene::Camera;
 use crate::screen::View;
-use crate::surfels::{self, Lit};
+use crate::surfels::{self, SurfelLight};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use glam::Vec3;
 use thiserror::Error;
@@ -20,7 +20,7 @@ pub enum Estimator {
 
 /// What an estimate is made of, for an effect that reaches `radius` metres.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct EstimateInputs<'a> {
     /// What the camera sees.
     pub gbuffer: &'a GBuffer,
     /// How far the effect reaches, metres.
@@ -111,6 +111,11 @@ impl Estimator {
         matches!(self, Self::Surfel(_))
     }
 
+    /// That the scene is not known and has to be.
+    pub const fn wants_scene(&self) -> EstimateError {
+        EstimateError::Scene { layer: self.makes()[0].name(), method: self.method() }
+    }
+
     /// Whether a g-buffer has all that it makes.
     pub fn is_made(&self, gbuffer: &GBuffer) -> bool {
         self.makes().iter().all(|made| gbuffer.attributes().contains(made))
@@ -120,20 +125,17 @@ impl Estimator {
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute, or the scene is not known and has to be.
-    pub fn on_processor(&self, seen: &Seen<'_>) -> Result<Vec<f32>, EstimateError> {
-        let surface = Surface::of(seen.gbuffer)?;
+    pub fn on_processor(&self, inputs: &EstimateInputs<'_>) -> Result<Vec<f32>, EstimateError> {
+        let surface = Surface::of(inputs.gbuffer)?;
         match self {
             Self::Gtao(parameters) => {
-                let [raw, _, blurred] = gtao::on_processor(parameters, &surface, &view(seen)?);
+                let [raw, _, blurred] = gtao::on_processor(parameters, &surface, &view(inputs)?);
                 Ok([blurred.data(), raw.data()].concat())
             }
             Self::Surfel(parameters) => {
-                let (scene, camera) = seen.scene.ok_or(EstimateError::Scene {
-                    layer: Attribute::IndirectLight.name(),
-                    method: self.method(),
-                })?;
-                let view = View { camera: *camera, ..view(seen)? };
-                let disks = surfels::reference::laid(scene, &parameters.surfels, &view, Some(Lit::Reflected));
+                let (scene, camera) = inputs.scene.ok_or_else(|| self.wants_scene())?;
+                let view = View { camera: *camera, ..view(inputs)? };
+                let disks = surfels::reference::laid(scene, &parameters.surfels, &view, Some(SurfelLight::Reflected));
                 Ok(surfel::splat::light(&surface, &disks, parameters, &view).data().to_vec())
             }
         }
@@ -145,14 +147,14 @@ impl Estimator {
 /// # Errors
 /// If there is no such method, or it lacks what it reads.
 pub fn with_estimates<'a>(
-    seen: &Seen<'_>,
+    inputs: &EstimateInputs<'_>,
     methods: impl IntoIterator<Item = (&'a str, &'a str)>,
 ) -> Result<GBuffer, EstimateError> {
-    let mut with = seen.gbuffer.clone();
+    let mut with = inputs.gbuffer.clone();
     for (method, quality) in methods {
         let estimator = Estimator::named(method, quality)?;
         if !estimator.is_made(&with) {
-            with = with.with(estimator.makes(), &estimator.on_processor(seen)?);
+            with = with.with(estimator.makes(), &estimator.on_processor(inputs)?);
         }
     }
     Ok(with)
@@ -160,8 +162,8 @@ pub fn with_estimates<'a>(
 
 /// The view of a g-buffer whose camera is not known: what positions say of it, which is all that these
 /// methods want to know.
-fn view(seen: &Seen<'_>) -> Result<View, MissingAttribute> {
-    let Seen { gbuffer, radius, seed, .. } = *seen;
+fn view(inputs: &EstimateInputs<'_>) -> Result<View, MissingAttribute> {
+    let EstimateInputs { gbuffer, radius, seed, .. } = *inputs;
     let (height, width) = (gbuffer.height(), gbuffer.width());
     let vertical_fov = 2.0 * (0.5 * height as f32 / gbuffer.focal_length()?).atan();
     let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
@@ -184,7 +186,7 @@ mod tests {
     fn an_estimate_is_the_methods_image_though_nobody_says_the_camera() {
         let (height, width) = (31, 45);
         let gbuffer = still_life(height, width);
-        let of = |gbuffer| Seen { gbuffer, radius: 1.0, seed: 11, scene: None };
+        let of = |gbuffer| EstimateInputs { gbuffer, radius: 1.0, seed: 11, scene: None };
         let with = with_estimates(&of(&gbuffer), [("gtao", "low")]).expect("estimates");
         let parameters = gtao::GtaoParameters::of(Quality::Low);
         let view = View { seed: 11, ..seen(height, width, 1.0) };
@@ -202,7 +204,7 @@ mod tests {
     #[test]
     fn what_is_not_there_is_named() {
         let gbuffer = still_life(8, 8);
-        let of = |gbuffer| Seen { gbuffer, radius: 1.0, seed: 1, scene: None };
+        let of = |gbuffer| EstimateInputs { gbuffer, radius: 1.0, seed: 1, scene: None };
         let refused =
             |method, quality| with_estimates(&of(&gbuffer), [(method, quality)]).map_err(|e| e.to_string());
         assert!(refused("ssao", "low").is_err_and(|error| error.contains("`ssao`")));
@@ -227,8 +229,8 @@ mod tests {
         );
         let expected = method.shade(&frame, Repeats::ONCE).expect("shades").image;
         let scene = Some((&scene, &view.camera));
-        let seen = Seen { gbuffer: &gbuffer, radius: view.radius, seed: 3, scene };
-        let with = with_estimates(&seen, [("surfel", "low")]).expect("estimates");
+        let inputs = EstimateInputs { gbuffer: &gbuffer, radius: view.radius, seed: 3, scene };
+        let with = with_estimates(&inputs, [("surfel", "low")]).expect("estimates");
         let made = with.select(&[Attribute::IndirectLight]).expect("it was made");
         let mean = |image: &Planes| image.data().iter().sum::<f32>() / image.data().len() as f32;
         assert!(mean(&expected) > 1e-4, "{}", mean(&expected));

@@ -206,7 +206,7 @@ fn splats_on_the_processor_are_the_plain_version() {
         let (scene, view, gbuffer) = seen(family, height, width);
         let view = View { radius: radius * view.radius, seed: 9, ..view };
         let parameters = SurfelParameters { levels, ..SurfelParameters::of(Quality::Low) };
-        let lit = Some(surfels::Lit::Reflected);
+        let lit = Some(surfels::SurfelLight::Reflected);
         let disks = surfels::reference::laid(&scene, &parameters.surfels, &view, lit);
         assert!(disks.iter().any(|disk| disk.sent != [Vec3::ZERO; 2]), "{family:?}");
         let surface = &Surface::of(&gbuffer).expect("a surface");
