@@ -193,10 +193,10 @@ impl Method for OneAtATime {
 ///
 /// # Errors
 /// If the recipe or a scene is at fault, or the place is in use, holds other data or cannot be written.
-pub fn made(recipe: &Recipe, place: &Location, shard: Option<Shard>) -> Result<Summary> {
+pub fn made(recipe: &Recipe, location: &Location, shard: Option<Shard>) -> Result<Summary> {
     let method = target_method(recipe)?;
     let method = method.as_deref().map(|method| method as TargetMethod<'_>);
-    let out = place.begin()?;
+    let out = location.begin()?;
     let summary = match shard {
         Some(shard) => generate_shard(recipe, out.out(), method, shard)?,
         None => generate_by(recipe, out.out(), method)?,

@@ -278,8 +278,8 @@ fn spread(count: usize, wanted: usize) -> Vec<usize> {
 /// What the command line names.
 fn inputs(args: &Args) -> Result<EvaluationInputs> {
     let usual = || Location::Folder(learned::usual_folder(args.effect.unwrap_or(Effect::Ao)));
-    let place = args.model.clone().unwrap_or_else(usual);
-    let folder = place.read()?;
+    let location = args.model.clone().unwrap_or_else(usual);
+    let folder = location.read()?;
     // A network that is asked for must be there.
     let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
@@ -289,7 +289,7 @@ fn inputs(args: &Args) -> Result<EvaluationInputs> {
         None => sets::folders(&folder, effect),
     };
     let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
-    let name = names::figure_name(Path::new(&place.to_string()));
+    let name = names::figure_name(Path::new(&location.to_string()));
     Ok(EvaluationInputs { effect, network: model.map(|model| (name, model)), sets })
 }
 

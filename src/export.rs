@@ -73,10 +73,10 @@ pub fn run(args: &Args) -> Result<()> {
             work.finish()?;
             (out, model)
         }
-        (_, _, Some(place)) => {
-            let model = Model::load(&place.read()?)?;
-            args.metrics.as_deref().map_or(Ok(()), |file| measure(place, &model, file))?;
-            (place, model)
+        (_, _, Some(location)) => {
+            let model = Model::load(&location.read()?)?;
+            args.metrics.as_deref().map_or(Ok(()), |file| measure(location, &model, file))?;
+            (location, model)
         }
         _ => anyhow::bail!("--run with --out, or --model with --wgsl or --metrics"),
     };
@@ -93,9 +93,9 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Writes results into the card of a model that is there.
-fn measure(place: &Location, model: &Model, file: &Path) -> Result<()> {
-    let Location::Folder(folder) = place else {
-        anyhow::bail!("{place}: the card of a model in a store is not changed, that of a folder is")
+fn measure(location: &Location, model: &Model, file: &Path) -> Result<()> {
+    let Location::Folder(folder) = location else {
+        anyhow::bail!("{location}: the card of a model in a store is not changed, that of a folder is")
     };
     let path = folder.join(CARD_FILE);
     let card = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;

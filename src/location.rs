@@ -85,8 +85,8 @@ impl TryFrom<String> for Location {
 }
 
 impl From<Location> for String {
-    fn from(place: Location) -> Self {
-        place.to_string()
+    fn from(location: Location) -> Self {
+        location.to_string()
     }
 }
 
@@ -211,9 +211,9 @@ mod tests {
     #[test]
     fn folders_and_addresses_are_told_apart() {
         assert_eq!("data/ao".parse(), Ok(Location::Folder("data/ao".into())));
-        let place: Location = "s3://bucket/sets/ao/".parse().expect("an address");
-        assert_eq!(place.to_string(), "s3://bucket/sets/ao");
-        assert_eq!(place.join("1-of-2").to_string(), "s3://bucket/sets/ao/1-of-2");
+        let location: Location = "s3://bucket/sets/ao/".parse().expect("an address");
+        assert_eq!(location.to_string(), "s3://bucket/sets/ao");
+        assert_eq!(location.join("1-of-2").to_string(), "s3://bucket/sets/ao/1-of-2");
         assert!(matches!("az://c/x".parse(), Ok(Location::Store(Address { kind: Kind::Azure, .. }))));
     }
 

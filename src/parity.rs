@@ -60,8 +60,8 @@ pub struct Args {
 /// # Errors
 /// If two forms do not agree, or one of them does not run.
 pub fn run(args: &Args) -> Result<()> {
-    let place = args.model.as_ref().map(Location::read).transpose()?;
-    let model = place.as_deref().map(Model::load).transpose()?;
+    let location = args.model.as_ref().map(Location::read).transpose()?;
+    let model = location.as_deref().map(Model::load).transpose()?;
     let folder = tempfile::tempdir()?;
     let gpu = Gpu::new()?;
     let adapter = format!("adapter {} ({})", gpu.info.name, gpu.info.driver_info);
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
             )?;
         }
     }
-    if let (Some(model), Some(folder)) = (&model, &place) {
+    if let (Some(model), Some(folder)) = (&model, &location) {
         let name = folder.display().to_string();
         let subject = ExportedModel { name: name.clone(), model, file: folder.join(ONNX_FILE) };
         check.sizes(&subject, &args.sizes, &[Image::Noise { half: false }, Image::Frame])?;

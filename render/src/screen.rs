@@ -69,7 +69,7 @@ impl From<&Frame<'_>> for View {
     }
 }
 
-/// What a plan's passes read besides their uniforms.
+/// What a method's passes read besides their uniforms.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     /// What the camera sees.

@@ -4,7 +4,7 @@
 //! from Rust. [`Shader::at`] names it by its path, which is also the label of its pass. A struct that it
 //! documents is one of [`uniforms`] in Rust. The kernels of a network's layers on GPUs are put together in
 //! [`convolution`], those of its head in [`head`], what makes its input and its image of a frame in
-//! [`net_input`] and [`net_image`]. Which line of which file a line of a source is, [`place`] tells.
+//! [`net_input`] and [`net_image`]. Which line of which file a line of a source is, [`source_line`] tells.
 
 pub mod attributes;
 pub mod convolution;

@@ -41,7 +41,7 @@ pub struct ComparedMethods {
 
 /// A network, and where it is from.
 struct Network {
-    place: Location,
+    location: Location,
     folder: PathBuf,
     model: Model,
 }
@@ -126,9 +126,9 @@ impl ComparedMethods {
     /// A choice of networks that nobody names, network by network.
     fn where_found(&self, run: &ComparisonRun, choice: &MethodChoice) -> Vec<MethodChoice> {
         let networks = run.effects().iter().filter_map(|effect| {
-            let place = Location::Folder(learned::usual_folder(*effect));
-            let takes_part = self.of(*effect).any(|one| one.network.as_ref() == Some(&place));
-            takes_part.then(|| MethodChoice { model: Some(place), ..choice.clone() })
+            let location = Location::Folder(learned::usual_folder(*effect));
+            let takes_part = self.of(*effect).any(|one| one.network.as_ref() == Some(&location));
+            takes_part.then(|| MethodChoice { model: Some(location), ..choice.clone() })
         });
         networks.collect()
     }
@@ -171,13 +171,15 @@ fn name_networks(compared_by_run: &mut [ComparedMethods]) {
     let all: Vec<(Effect, Location)> = distinct(all);
     for method in compared_by_run.iter_mut().flat_map(|compared| &mut compared.methods) {
         let Some(own) = &method.network else { continue };
-        let of = || all.iter().filter(|(effect, _)| *effect == method.effect).map(|(_, place)| place);
+        let of = || all.iter().filter(|(effect, _)| *effect == method.effect).map(|(_, location)| location);
         if of().count() == 1 {
             continue;
         }
         let name = folder_name(own);
-        let earlier =
-            of().take_while(|place| *place != own).filter(|place| folder_name(place) == name).count();
+        let earlier = of()
+            .take_while(|location| *location != own)
+            .filter(|location| folder_name(location) == name)
+            .count();
         let suffix = if earlier == 0 { name } else { format!("{name}_{}", earlier + 1) };
         method.rival.name = format!("{}_{suffix}", method.rival.name);
     }
@@ -206,8 +208,8 @@ fn default_methods(run: &ComparisonRun) -> Vec<MethodChoice> {
 fn network(run: &ComparisonRun, choice: &MethodChoice, effect: Effect) -> Result<Option<Network>> {
     let several = run.effects().len() > 1;
     let stated = choice.model.as_ref().or(run.model.as_ref());
-    let place = stated.cloned().unwrap_or_else(|| Location::Folder(learned::usual_folder(effect)));
-    let folder = place.read()?;
+    let location = stated.cloned().unwrap_or_else(|| Location::Folder(learned::usual_folder(effect)));
+    let folder = location.read()?;
     if several && stated.is_none() && !folder.exists() {
         note!("no network in {}: {effect} without the method `{LEARNED}`", folder.display());
         return Ok(None);
@@ -216,9 +218,9 @@ fn network(run: &ComparisonRun, choice: &MethodChoice, effect: Effect) -> Result
     let made = model.spec.effect;
     ensure!(
         run.effects().contains(&made),
-        "the network in {place} is for {made}, which is none of the effects"
+        "the network in {location} is for {made}, which is none of the effects"
     );
-    Ok((made == effect).then_some(Network { place, folder, model }))
+    Ok((made == effect).then_some(Network { location, folder, model }))
 }
 
 /// A method of an effect in all its qualities.
@@ -240,7 +242,7 @@ fn opened(
     let weights = network.map(|network| weights(&network.folder)).transpose()?;
     let methods = rivals.into_iter().map(|rival| {
         let (network, spec) =
-            network.map(|network| (network.place.clone(), network.model.spec.clone())).unzip();
+            network.map(|network| (network.location.clone(), network.model.spec.clone())).unzip();
         let label = rival.method_name.to_owned();
         let fingerprint = format!("{} {:?} {weights:?}{changes}", rival.method_name, rival.quality);
         ComparedMethod { effect, rival, label, fingerprint, network, spec }
@@ -258,8 +260,8 @@ fn weights(folder: &Path) -> Result<String> {
 }
 
 /// What a network's place is called, in letters that figures are named by.
-fn folder_name(place: &Location) -> String {
-    let place = place.to_string();
-    let name = Path::new(&place).file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+fn folder_name(location: &Location) -> String {
+    let location = location.to_string();
+    let name = Path::new(&location).file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '_' }).collect()
 }

@@ -113,7 +113,7 @@ impl FarmPlan {
             std::fs::read(&path).with_context(|| format!("{}: no farm is planned there", path.display()))?;
         let plan: Self = serde_json::from_slice(&bytes).with_context(|| path.display().to_string())?;
         ensure!(plan.version == VERSION && plan.shards > 0, "{}: of another version", path.display());
-        plan.place().with_context(|| path.display().to_string())?;
+        plan.location().with_context(|| path.display().to_string())?;
         Ok(plan)
     }
 
@@ -144,7 +144,7 @@ impl FarmPlan {
     /// # Errors
     /// If the plan names no place, which [`FarmPlan::load`] has seen to.
     pub fn shard_place(&self, shard: Shard) -> Result<Location> {
-        Ok(self.place()?.join(&format!("shard-{}-of-{}", shard.number(), shard.count())))
+        Ok(self.location()?.join(&format!("shard-{}-of-{}", shard.number(), shard.count())))
     }
 
     /// Shards that are not where they belong, or not whole, in their order.
@@ -160,7 +160,7 @@ impl FarmPlan {
         shards.par_iter().filter_map(|shard| missing(shard).transpose()).collect()
     }
 
-    fn place(&self) -> Result<Location> {
+    fn location(&self) -> Result<Location> {
         self.out.parse().map_err(anyhow::Error::msg)
     }
 

@@ -7,9 +7,9 @@ use deepshade_dataset::Out;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-/// A folder to write into for a place.
+/// A folder to write into for a location.
 pub enum WorkingFolder {
-    /// The place itself.
+    /// The location itself.
     Folder(PathBuf),
     /// For an address.
     #[cfg(feature = "store")]

@@ -95,7 +95,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
     };
     legend::show(ui, area, window.state.look.map, window.state.reference());
     if !held {
-        steer(ui, &response, window);
+        move_camera(ui, &response, window);
     }
 }
 
@@ -213,7 +213,7 @@ fn enlarge(ui: &Ui, response: &Response, places: &[ImageRect], window: &mut Wind
 }
 
 /// Moves the camera as pointer, wheel and keys say.
-fn steer(ui: &Ui, response: &Response, window: &mut Window) {
+fn move_camera(ui: &Ui, response: &Response, window: &mut Window) {
     let diagonal = window.results.subject.as_ref().map_or(1.0, |subject| subject.diagonal);
     let Some(controller) = window.state.controller.as_mut() else { return };
     let drag = response.drag_delta() / response.rect.height().max(1.0);

@@ -61,8 +61,8 @@ impl FileTask {
 
     fn run(&self) -> Result<FileResult> {
         Ok(match self {
-            Self::Save(moment, folder) => {
-                saved::save(moment, folder)?;
+            Self::Save(snapshot, folder) => {
+                saved::save(snapshot, folder)?;
                 FileResult::Note(format!("saved in {}", folder.display()))
             }
             Self::Screenshot(image, path) => {

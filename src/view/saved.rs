@@ -47,7 +47,7 @@ impl Snapshot {
         let picture = Arc::clone(window.results.picture.as_ref()?);
         let model = picture.request.show.model.as_deref();
         Some(Self {
-            model: model.map(|folder| window.state.place_of_network(folder)),
+            model: model.map(|folder| window.state.location_of_network(folder)),
             picture,
             truth: window.truth_of_picture().map(|truth| truth.image.clone()),
             samples: window.state.samples,
@@ -69,11 +69,11 @@ pub fn free(folder: &Path, name: &str, ending: &str) -> PathBuf {
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn save(moment: &Snapshot, folder: &Path) -> Result<()> {
-    let picture = &moment.picture;
+pub fn save(snapshot: &Snapshot, folder: &Path) -> Result<()> {
+    let picture = &snapshot.picture;
     std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     // Before the images: what cannot be said again leaves none.
-    let text = format!("{}{}", head(picture, folder), comparison(moment)?.keys(folder)?);
+    let text = format!("{}{}", head(picture, folder), comparison(snapshot)?.keys(folder)?);
     let facts: Metadata = [
         ("scene", picture.request.show.source.to_string()),
         ("effect", picture.request.show.effect.to_string()),
@@ -84,7 +84,7 @@ pub fn save(moment: &Snapshot, folder: &Path) -> Result<()> {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
-    for image in picture.images.iter().chain(&moment.truth).chain(&picture.inspected) {
+    for image in picture.images.iter().chain(&snapshot.truth).chain(&picture.inspected) {
         let layer = Layer::image(&image.name, &image.values).in_full();
         exr_file::write(&folder.join(format!("{}.exr", image.name)), &[layer], &facts)?;
         write_png(&folder.join(format!("{}.png", image.name)), &rgb(&image.picture))?;
@@ -163,8 +163,8 @@ fn choice(show: &Show, name: &str) -> MethodChoice {
 
 /// The comparison that makes what is shown: with all that the window has chosen by its first view, which is
 /// another one here.
-fn comparison(moment: &Snapshot) -> Result<Comparison> {
-    let Snapshot { picture, samples, model, args, .. } = moment;
+fn comparison(snapshot: &Snapshot) -> Result<Comparison> {
+    let Snapshot { picture, samples, model, args, .. } = snapshot;
     let show = &picture.request.show;
     let effect = show.effect;
     let [height, width] = show.size;

@@ -164,11 +164,11 @@ fn similarity(dssim: f64) -> f64 {
 }
 
 /// The runs of some places, the shortest first.
-fn runs(places: &[Location]) -> Result<Vec<ForecastRun>> {
+fn runs(locations: &[Location]) -> Result<Vec<ForecastRun>> {
     let mut first: Option<(String, TrainConfig)> = None;
     let mut runs = Vec::new();
-    for place in places {
-        let (name, folder) = (place.to_string(), place.read()?);
+    for location in locations {
+        let (name, folder) = (location.to_string(), location.read()?);
         let config = TrainConfig::load(&folder).with_context(|| format!("{name} is no training run"))?;
         let (first_name, first) = first.get_or_insert_with(|| (name.clone(), config.clone()));
         let mut others = config.differences(first);
@@ -275,7 +275,7 @@ mod tests {
         folder
     }
 
-    fn places(folders: &[PathBuf]) -> Vec<Location> {
+    fn locations(folders: &[PathBuf]) -> Vec<Location> {
         folders.iter().map(|folder| folder.to_str().expect("plain").parse().expect("a folder")).collect()
     }
 
@@ -293,7 +293,7 @@ mod tests {
         let law = |steps: usize| 0.1 + 2.0 * (steps as f64).powf(-0.5);
         let folders = [4000, 1000, 2000].map(|steps| write_run(folder.path(), steps, law(steps), 1));
         let (plot, json) = (folder.path().join("a.svg"), folder.path().join("a.json"));
-        let args = Args { runs: places(&folders), plot: Some(plot.clone()), json: Some(json.clone()) };
+        let args = Args { runs: locations(&folders), plot: Some(plot.clone()), json: Some(json.clone()) };
         run(&args).expect("a forecast");
         let file: serde_json::Value =
             serde_json::from_slice(&std::fs::read(json).expect("read")).expect("JSON");
@@ -312,7 +312,7 @@ mod tests {
         let folders = [(1000, 0.2), (2000, 0.3), (4000, 0.4)]
             .map(|(steps, end)| write_run(folder.path(), steps, end, 1));
         let json = folder.path().join("a.json");
-        run(&Args { runs: places(&folders), plot: None, json: Some(json.clone()) }).expect("a table");
+        run(&Args { runs: locations(&folders), plot: None, json: Some(json.clone()) }).expect("a table");
         let file: serde_json::Value =
             serde_json::from_slice(&std::fs::read(json).expect("read")).expect("JSON");
         let figures: Vec<&String> = file["figures"].as_object().expect("figures").keys().collect();
@@ -323,7 +323,7 @@ mod tests {
     fn runs_that_are_no_series_are_refused() {
         let folder = tempfile::tempdir().expect("a folder");
         let error = |folders: [PathBuf; 3]| {
-            let args = Args { runs: places(&folders), plot: None, json: None };
+            let args = Args { runs: locations(&folders), plot: None, json: None };
             format!("{:#}", run(&args).expect_err("no series"))
         };
         let [a, b, c] = [(1000, 0.2), (2000, 0.15), (4000, 0.12)]

@@ -144,7 +144,7 @@ const SAMPLES: [u32; 2] = [64, 512];
 /// Frames of what moves.
 const FRAMES: [usize; 2] = [20, 100];
 /// How long a GPU is kept busy before it is measured.
-const WAKING: Duration = Duration::from_millis(500);
+const WARM_UP_TIME: Duration = Duration::from_millis(500);
 
 /// Measures and prints.
 ///
@@ -162,7 +162,7 @@ pub fn run(args: &Args) -> Result<()> {
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
     let scales = if args.full { [1.0, 0.25] } else { [0.25, 0.1] };
     let [size, small] = scales.map(|scale| PAPER.scaled(scale));
-    gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+    gpu::warm_up(&gpu.device, &gpu.queue, WARM_UP_TIME)?;
     let parts: Vec<LpvStudy> = LpvStudy::ALL.into_iter().filter(wanted).collect();
     let seconds = |part: &LpvStudy| (part.name(), part.seconds(args.scene.len(), args.full));
     let mut progress = Progress::new(parts.iter().map(seconds).collect());

@@ -1,4 +1,4 @@
-//! What a plan's passes are for, what each kind of them takes, and what memory they write.
+//! What a method's passes are for, what each kind of them takes, and what memory they write.
 
 use deepshade_render::screen::{MethodPasses, MethodStep};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
@@ -235,7 +235,7 @@ impl Cost {
     }
 }
 
-/// Megabytes of all that a plan's passes write.
+/// Megabytes of all that a method's passes write.
 pub fn megabytes(passes: &MethodPasses) -> f64 {
     let mut written: Vec<&wgpu::Buffer> = passes.steps().iter().flat_map(|step| &step.writes).collect();
     written.sort_unstable();

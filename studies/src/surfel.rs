@@ -29,7 +29,7 @@ const METHODS: [&str; 4] = ["surfel", "bounced-z", "aov", "aov-bounced-z"];
 /// Of which size the figures are that depend on one: that of the thesis' Table 6.2.
 const PAPER: Size = Size { width: 768, height: 512 };
 /// How long a GPU is kept busy before it is measured.
-const WAKING: Duration = Duration::from_millis(500);
+const WARM_UP_TIME: Duration = Duration::from_millis(500);
 
 /// Milliseconds and memory of shading by surfels, stage by stage; what thresholds, levels and the interleaved
 /// framebuffer do to it.
@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.sizes.iter().map(|size| Ok((*size, subject(*size)?))).collect::<Result<_>>()?;
     let mut measured = Vec::new();
     for (size, subject) in &subjects {
-        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+        gpu::warm_up(&gpu.device, &gpu.queue, WARM_UP_TIME)?;
         for method in &methods {
             measured.push(MethodCost::new(method, subject, *size, runs)?);
         }

@@ -59,7 +59,7 @@ const SAMPLES: [u32; 2] = [256, 1024];
 /// Radius of surfels of which there are some 14,000.
 const SCALE: f32 = 0.015;
 /// How long a GPU is kept busy before it is measured.
-const WAKING: Duration = Duration::from_millis(500);
+const WARM_UP_TIME: Duration = Duration::from_millis(500);
 
 /// The paper's parameters.
 fn parameters() -> VolumeShellParameters {
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
     let runs = args.runs.map_or(if gpu.is_software() { 1 } else { 20 }, usize::from);
     let size = if args.full { PAPER } else { PAPER.scaled(0.5) };
-    gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+    gpu::warm_up(&gpu.device, &gpu.queue, WARM_UP_TIME)?;
     note!("stages at {size}");
     let subject = ShellFrame::new(&gpu, size)?;
     let shadow_maps = subject.shadow_maps(runs)?;

@@ -100,11 +100,11 @@ fn record(args: &Args, gpu: &Gpu, wish: &PageRequest) -> Result<Value> {
     });
     let truth = truth.transpose()?;
     let exposure = Exposure::new(effect, &images[0].1, None);
-    let judged = truth.as_ref().map(|truth| {
-        let judged = images
+    let of_images = truth.as_ref().map(|truth| {
+        let of_images = images
             .iter()
             .map(|(name, image)| ((*name).to_owned(), json!(scores(effect, image, &truth.mean))));
-        judged.collect::<serde_json::Map<_, _>>()
+        of_images.collect::<serde_json::Map<_, _>>()
     });
     images.extend(truth.as_ref().map(|truth| (TRUTH, truth.mean.clone())));
     let files = images.iter().map(|(name, image)| {
@@ -119,7 +119,7 @@ fn record(args: &Args, gpu: &Gpu, wish: &PageRequest) -> Result<Value> {
     Ok(json!({
         "wish": wish,
         "files": files,
-        "scores": judged,
+        "scores": of_images,
         "samples": truth.map(|truth| truth.samples),
         "passes": passes,
         "milliseconds": times,

@@ -10,7 +10,7 @@ pub struct Stop(Arc<Flags>);
 #[derive(Debug, Default)]
 struct Flags {
     /// Whether the run is at its steps.
-    heard: AtomicBool,
+    at_steps: AtomicBool,
     asked: AtomicBool,
 }
 
@@ -25,7 +25,7 @@ impl Stop {
     /// Asks the run to end. Whether it is at its steps, and will: before them there is nothing to be kept.
     pub fn ask(&self) -> bool {
         self.0.asked.store(true, Ordering::SeqCst);
-        self.0.heard.load(Ordering::SeqCst)
+        self.0.at_steps.load(Ordering::SeqCst)
     }
 
     /// Whether somebody has asked.
@@ -33,19 +33,19 @@ impl Stop {
         self.0.asked.load(Ordering::SeqCst)
     }
 
-    /// Says that the run listens from now on, until what is returned is dropped.
-    pub(crate) fn listen(&self) -> Listening {
-        self.0.heard.store(true, Ordering::SeqCst);
-        Listening(self.clone())
+    /// Says that the run is at its steps from now on, until what is returned is dropped.
+    pub(crate) fn guard(&self) -> StopGuard {
+        self.0.at_steps.store(true, Ordering::SeqCst);
+        StopGuard(self.clone())
     }
 }
 
-/// A run at its steps.
-pub(crate) struct Listening(Stop);
+/// As long as it lives, the run is at its steps.
+pub(crate) struct StopGuard(Stop);
 
-impl Drop for Listening {
+impl Drop for StopGuard {
     fn drop(&mut self) {
-        self.0.0.heard.store(false, Ordering::SeqCst);
+        self.0.0.at_steps.store(false, Ordering::SeqCst);
     }
 }
 
@@ -54,12 +54,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_run_at_its_steps_hears() {
+    fn only_a_run_at_its_steps_stops_when_asked() {
         let (stop, other) = (Stop::default(), Stop::default());
-        let listening = stop.listen();
+        let guard = stop.guard();
         assert!(!stop.is_asked() && stop.clone().ask() && stop.is_asked());
         assert!(!other.is_asked() && !other.ask());
-        drop(listening);
+        drop(guard);
         assert!(!stop.ask());
     }
 }

@@ -234,7 +234,7 @@ impl<'a> TrainingLoop<'a> {
         let deadline = config.minutes.map(|minutes| Instant::now() + Duration::from_secs_f64(60.0 * minutes));
         let mut loader = Loader::start(&self.feed, config, self.progress.step);
         let gauge = self.gauge();
-        let _listening = config.stop.listen();
+        let _guard = config.stop.guard();
         let mut ending = if self.progress.stopped { Ending::Stopped } else { Ending::Finished };
         while self.progress.step < config.steps && !self.progress.stopped {
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {

@@ -27,7 +27,7 @@ pub fn forward(
 ) {
     let mut stripes = shape.stripes();
     let channels: Vec<usize> = (0..shape.groups * shape.outputs).collect();
-    shape.deal(&mut stripes, shape.outputs, y, &channels, Scale::Same);
+    shape.distribute(&mut stripes, shape.outputs, y, &channels, Scale::Same);
     stripes.into_par_iter().for_each(|stripe| {
         BUFFER.with_borrow_mut(|buffer| {
             Arch::new().dispatch(Forward { shape, operand, weights, bias, leak, stripe, buffer });

@@ -60,9 +60,9 @@ impl ConvShape {
             .collect()
     }
 
-    /// Deals the rows of images `[batch, positions, height, width] * scale` out to stripes whose groups have
-    /// so many channels: `positions` says for each channel of an image which one of all groups' it is.
-    pub fn deal<'a>(
+    /// Distributes the rows of images `[batch, positions, height, width] * scale` among stripes whose groups
+    /// have so many channels: `positions` says for each channel of an image which one of all groups' it is.
+    pub fn distribute<'a>(
         &self,
         stripes: &mut [Stripe<'a>],
         channels: usize,

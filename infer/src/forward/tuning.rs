@@ -15,7 +15,7 @@ use std::time::Duration;
 const WARM_UP: usize = 1;
 const TIMED: usize = 3;
 /// How long the device is busy before.
-const WAKING: Duration = Duration::from_millis(100);
+const WARM_UP_TIME: Duration = Duration::from_millis(100);
 /// Rows and columns of the image on which every kernel must be right before it is measured.
 const PROOF: [usize; 2] = [37, 53];
 
@@ -250,7 +250,7 @@ impl Trial<'_> {
             notes.push(format!("layer `{layer}` is wrong with {variant:?}"));
         }
         let mut right = true;
-        gpu::wake(&self.gpu.device, &self.gpu.queue, WAKING)?;
+        gpu::warm_up(&self.gpu.device, &self.gpu.queue, WARM_UP_TIME)?;
         let times = network.layer_times(&self.gpu.queue, self.size, WARM_UP, TIMED)?;
         Ok(times
             .into_iter()

@@ -224,7 +224,7 @@ pub fn written_on_gpu(
     let uploaded =
         GpuGBuffer::upload(&gpu.device, gbuffer, method.attributes()).expect("attributes and room");
     let inputs = Inputs { gbuffer: &uploaded, environment, world: None };
-    let passes = MethodPasses::new(method, &inputs, view).expect("a plan");
+    let passes = MethodPasses::new(method, &inputs, view).expect("passes");
     let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("values");
     let submit = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| record(encoder)).expect("valid passes");

@@ -33,12 +33,12 @@ pub fn rejects(p: f64, tests: usize) -> bool {
 
 /// Asserts that it is not.
 pub fn proves(name: &str, p: f64, tests: usize) {
-    compared(name, p, tests, false).settle();
+    compared(name, p, tests, false).record_and_assert();
 }
 
 /// Asserts that it is: the control of a proof.
 pub fn refutes(name: &str, p: f64, tests: usize) {
-    compared(name, p, tests, true).settle();
+    compared(name, p, tests, true).record_and_assert();
 }
 
 fn compared(name: &str, p: f64, tests: usize, control: bool) -> Comparison<'_> {

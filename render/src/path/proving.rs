@@ -1,5 +1,5 @@
 //! What tests of truth share: small scenes, and means with their standard errors to hold against closed
-//! forms. What is proved goes through [`Comparison::settle`], by the name of its proof.
+//! forms. What is proved goes through [`Comparison::record_and_assert`], by the name of its proof.
 
 mod comparison;
 mod slope;
@@ -75,12 +75,12 @@ impl MeanWithError {
 
     /// Asserts that it is a closed form's value.
     pub fn proves(&self, name: &str, expected: Vec3) {
-        self.compared(name, expected, false).settle();
+        self.compared(name, expected, false).record_and_assert();
     }
 
     /// Asserts that it is not the value that a mistake would give: the control of a proof.
     pub fn refutes(&self, name: &str, mistaken: Vec3) {
-        self.compared(name, mistaken, true).settle();
+        self.compared(name, mistaken, true).record_and_assert();
     }
 
     /// The standard error, with a third of what rounding may add.

@@ -125,7 +125,7 @@ fn kept_light_moves_and_bends_with_its_surface() {
     let mut frame = Frame::new(&gpu, &animated, &settings).expect("a frame");
     let view = View { height: SIZE, width: SIZE, camera: camera(), radius: 1.0, seed: 0 };
     let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-    let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
+    let passes = MethodPasses::new(&method, &inputs, &view).expect("passes");
     for number in 0..=FPS {
         frame.set(&gpu.queue, f32::from(number) / f32::from(FPS), 0.0, &camera());
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
@@ -276,7 +276,7 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     assert!(divisions.len() == 2 && divisions.iter().all(|count| (29..=31).contains(count)), "{divisions:?}");
     let view = View { height: SIZE, width: SIZE, camera, radius: 1.0, seed: 0 };
     let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-    let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
+    let passes = MethodPasses::new(&method, &inputs, &view).expect("passes");
     for number in 0..=72u16 {
         frame.set(&gpu.queue, f32::from(number) / 48.0, 0.0, &camera);
         gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| {
@@ -315,7 +315,7 @@ fn kept_light_is_that_of_lamps_as_they_are_given() {
         scene.scene.lights[0] = frames[0].0;
         let mut frame = Frame::new(&gpu, &scene, &settings).expect("a frame");
         let inputs = Inputs { gbuffer: frame.gbuffer(), environment: None, world: Some(frame.world()) };
-        let passes = MethodPasses::new(&method, &inputs, &view).expect("a plan");
+        let passes = MethodPasses::new(&method, &inputs, &view).expect("passes");
         for (lamp, moment) in frames {
             frame.set_lights(&gpu.queue, &[*lamp]);
             frame.set(&gpu.queue, *moment, 0.0, &camera);

@@ -19,9 +19,9 @@ const LEAST: f64 = 10.0;
 /// Runs that are timed.
 const RUNS: usize = 5;
 /// How long a device is busy before it is measured.
-const WAKING: Duration = Duration::from_millis(500);
+const WARM_UP_TIME: Duration = Duration::from_millis(500);
 /// Runs that keep a device busy while the next ones are recorded.
-const WAKING_RUNS: usize = 64;
+const WARM_UP_RUNS: usize = 64;
 
 /// What a device can do at best.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ pub struct Ceilings {
 /// # Errors
 /// If the device has no room for two buffers of 128 MiB, or of what its limits allow, or is lost.
 pub fn ceilings(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Ceilings, GpuError> {
-    wake(device, queue, WAKING)?;
+    warm_up(device, queue, WARM_UP_TIME)?;
     Ok(Ceilings { copy: copy(device, queue)?, multiply_add: multiply_add(device, queue)? })
 }
 
@@ -46,14 +46,14 @@ pub fn ceilings(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Ceilings, 
 ///
 /// # Errors
 /// If the device has no room for two megabytes, or is lost.
-pub fn wake(device: &wgpu::Device, queue: &wgpu::Queue, time: Duration) -> Result<(), GpuError> {
+pub fn warm_up(device: &wgpu::Device, queue: &wgpu::Queue, time: Duration) -> Result<(), GpuError> {
     if device.adapter_info().device_type == wgpu::DeviceType::Cpu {
         return Ok(());
     }
     let work = multiply_adds(device, TURNS)?;
     let began = Instant::now();
     while began.elapsed() < time {
-        super::time(device, queue, "wake", 0, WAKING_RUNS, |encoder| work.dispatch(encoder, WORKGROUPS))?;
+        super::time(device, queue, "wake", 0, WARM_UP_RUNS, |encoder| work.dispatch(encoder, WORKGROUPS))?;
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ mod timing;
 mod waiting;
 
 pub use buffer::{arena, empty, filled, read, read_async, read_part, storage, uniform, uniforms, write};
-pub use ceilings::{Ceilings, ceilings, wake};
+pub use ceilings::{Ceilings, ceilings, warm_up};
 pub use device::{Gpu, adapter_key};
 pub use pass::{BoundPass, Pass, groups, submit};
 pub use pipeline_cache::PipelineCache;

@@ -2,7 +2,7 @@
 //! levels, the one with the most multiply-adds whose fastest run takes at most so long. What measured layers
 //! predict only spares the runs of networks that are far too large.
 
-use super::rivals::WAKING;
+use super::rivals::WARM_UP_TIME;
 use super::subjects::{self, random};
 use super::{Args, PAPER, layers};
 use crate::engine::{self, Engine};
@@ -36,17 +36,17 @@ pub fn run(args: &Args, gpu: &Gpu, budget: f32) -> Result<()> {
     };
     let size = [size.width, size.height];
     let published = subjects::published(*effect)?;
-    let kin = kin(&published);
-    let most = kin.iter().map(|spec| multiply_adds(spec, size)).max();
+    let variants = variants(&published);
+    let most = variants.iter().map(|spec| multiply_adds(spec, size)).max();
     note!("times of the layers of {MEASURED} networks, for predictions");
-    let model = CostModel::measured(gpu, &kin)?;
+    let model = CostModel::measured(gpu, &variants)?;
     let runs = published.runs() as f64;
     let candidate = |spec: NetSpec| Candidate {
         predicted: runs * model.milliseconds(&spec, size),
         multiply_adds: multiply_adds(&spec, size),
         spec,
     };
-    let candidates = kin.into_iter().map(candidate).collect();
+    let candidates = variants.into_iter().map(candidate).collect();
     let (candidate, timed) = largest(candidates, budget, |tried| timed(gpu, tried, size))?;
     let is_largest = Some(candidate.multiply_adds) == most;
     let choice = Choice { budget, size, candidate, timed, is_largest };
@@ -141,7 +141,7 @@ fn largest(
 }
 
 /// Networks like one, of other widths and depths.
-fn kin(spec: &NetSpec) -> Vec<NetSpec> {
+fn variants(spec: &NetSpec) -> Vec<NetSpec> {
     let of =
         |levels: usize| WIDTHS.map(|u0| spec.clone().reshaped(|net| (net.u0, net.levels) = (u0, levels)));
     let most = if spec.levels() == 1 { 1 } else { MOST_LEVELS };
@@ -168,7 +168,7 @@ fn timed(gpu: &Gpu, tried: &Candidate, [width, height]: [usize; 2]) -> Result<Ti
     let Candidate { spec, predicted, .. } = tried;
     let engine = Engine::new(engine::card(gpu), &random(spec.clone()))?;
     let input = parity::noise(spec.input_channels(), height, width, 1);
-    gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+    gpu::warm_up(&gpu.device, &gpu.queue, WARM_UP_TIME)?;
     engine.run(&input, 0, 1)?;
     let run = |_| Ok(engine.run(&input, 0, 1)?.1.milliseconds);
     let times = (0..RUNS).map(run).collect::<Result<Vec<f64>>>()?;
@@ -185,10 +185,10 @@ struct CostModel(DVec3);
 
 impl CostModel {
     /// Fitted to the layers of a few of some networks.
-    fn measured(gpu: &Gpu, kin: &[NetSpec]) -> Result<Self> {
+    fn measured(gpu: &Gpu, variants: &[NetSpec]) -> Result<Self> {
         let mut layers = Vec::new();
-        for index in lists::spread(kin.len(), MEASURED) {
-            let model = random(kin[index].clone());
+        for index in lists::spread(variants.len(), MEASURED) {
+            let model = random(variants[index].clone());
             let [width, height] = PAPER;
             let costs = model.spec.costs(height, width);
             layers.extend(costs.into_iter().zip(times(gpu, &model)?).map(|(cost, (_, time))| (cost, time)));
@@ -275,12 +275,12 @@ mod tests {
     #[test]
     fn kin_are_valid_and_differ() {
         let spec = subjects::spec(Effect::Ao).expect("it has one");
-        let kin = kin(&spec);
-        assert!(kin.contains(&spec) && kin.len() > 30, "{}", kin.len());
+        let variants = variants(&spec);
+        assert!(variants.contains(&spec) && variants.len() > 30, "{}", variants.len());
         for effect in [Effect::Aa, Effect::Ibl] {
             let spec = subjects::spec(effect).expect("it has one");
-            let kin = super::kin(&spec);
-            assert!(kin.contains(&spec) && kin.iter().all(|spec| spec.levels() == 1), "{effect}");
+            let variants = super::variants(&spec);
+            assert!(variants.contains(&spec) && variants.iter().all(|spec| spec.levels() == 1), "{effect}");
         }
     }
 }

@@ -90,7 +90,7 @@ pub fn network(
 /// If the GPU does not run it.
 pub fn wgsl(gpu: &Gpu, model: &Model, [width, height]: [usize; 2]) -> Result<Vec<(String, f64)>> {
     let network = network(gpu, model, Precision::F32, [width, height])?;
-    gpu::wake(&gpu.device, &gpu.queue, super::rivals::WAKING)?;
+    gpu::warm_up(&gpu.device, &gpu.queue, super::rivals::WARM_UP_TIME)?;
     let times = network.layer_times(&gpu.queue, [height, width], 1, RUNS)?;
     Ok(times.into_iter().map(|(name, timing)| (name, timing.milliseconds)).collect())
 }

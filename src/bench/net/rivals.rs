@@ -15,7 +15,7 @@ use serde_json::json;
 use std::time::Duration;
 
 /// How long a graphics card is busy before it is measured.
-pub const WAKING: Duration = Duration::from_millis(500);
+pub const WARM_UP_TIME: Duration = Duration::from_millis(500);
 
 /// Bytes that an engine keeps a number in.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +116,7 @@ impl EngineComparison<'_> {
             kept == precision,
             "no kernel works in {precision:?}; it would be that in {kept:?} once more"
         );
-        gpu::wake(&gpu.device, &gpu.queue, WAKING)?;
+        gpu::warm_up(&gpu.device, &gpu.queue, WARM_UP_TIME)?;
         let (_, once) = network.run_timed(&gpu.queue, &input, 1, 1)?;
         let fitting = self.effort.time.as_secs_f64() * 1e3 / once.milliseconds;
         let runs = (fitting as usize).clamp(FEWEST, self.effort.most);

@@ -48,7 +48,7 @@ impl State {
     }
 
     /// Where the network in a folder is from: the address that was given, where it was fetched from there.
-    pub fn place_of_network(&self, folder: &Path) -> Location {
+    pub fn location_of_network(&self, folder: &Path) -> Location {
         let is_fetched = self.fetched.as_deref() == Some(folder);
         let given = self.args.model.clone().filter(|_| is_fetched);
         given.unwrap_or_else(|| Location::Folder(folder.to_owned()))

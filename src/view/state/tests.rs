@@ -158,7 +158,7 @@ fn a_network_that_was_fetched_is_known_by_its_address() {
     let mut state = State::new(&args("--effect ao")).expect("methods");
     state.args = Arc::new(args("--effect ao --model s3://models/ao"));
     state.fetched = Some("cache/copy".into());
-    let place = |folder: &str| state.place_of_network(Path::new(folder)).to_string();
+    let place = |folder: &str| state.location_of_network(Path::new(folder)).to_string();
     assert_eq!(place("cache/copy"), "s3://models/ao");
     assert_eq!(place("models/other"), "models/other");
 }

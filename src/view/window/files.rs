@@ -52,9 +52,9 @@ impl Window {
     /// Saves what is shown now into a folder that is free, and says where, once it is done.
     pub fn save(&mut self) {
         match Snapshot::of(self) {
-            Some(moment) => {
+            Some(snapshot) => {
                 let folder = free(&self.files.folder, "view", "");
-                self.send(FileTask::Save(Box::new(moment), folder));
+                self.send(FileTask::Save(Box::new(snapshot), folder));
             }
             None => self.set_error("there is no picture yet".to_owned()),
         }

@@ -58,7 +58,7 @@ struct Sampling {
 pub struct ViewOutcome {
     name: String,
     /// With all light rays and with a quarter.
-    duels: [TreeAgainstMarch; 2],
+    comparisons: [TreeAgainstMarch; 2],
     /// The fastest epipolar sampling that is as good as the first trees; the best there is if none is.
     sampling: Option<Sampling>,
     min_max: TimeAndError,
@@ -170,19 +170,19 @@ impl ViewOutcome {
     pub fn of(subject: &FogView, pool: &ThreadPool) -> Self {
         let reference = Reference::of(subject);
         let light_rays = subject.setup.light_rays;
-        let duels =
+        let comparisons =
             [light_rays, light_rays / 4].map(|rays| TreeAgainstMarch::of(subject, &reference, rays, pool));
-        let sampling = best_sampling(subject, &reference, &duels[0], pool);
+        let sampling = best_sampling(subject, &reference, &comparisons[0], pool);
         let usual = min_max::MinMaxParameters::of(Quality::High);
         let quarter = min_max::MinMaxParameters { light_rays: light_rays / 4, ..usual };
         let [(radiance, seconds)] = subject.timed([&|lit, radiance| quarter.add(lit, radiance)], pool);
         let min_max = TimeAndError { seconds, relmse: reference.error_of_image(&radiance) };
-        Self { name: subject.name.clone(), duels, sampling, min_max }
+        Self { name: subject.name.clone(), comparisons, sampling, min_max }
     }
 
     /// Sets its figures.
     pub fn set(&self, figures: &mut Figures) {
-        let Self { name, duels: [all, quarter], sampling, min_max } = self;
+        let Self { name, comparisons: [all, quarter], sampling, min_max } = self;
         figures.set(&format!("speedup_{name}"), all.speedup());
         figures.set(&format!("speedup_{name}_quarter"), quarter.speedup());
         figures.set(&format!("relmse_tree_{name}"), all.tree.relmse);
@@ -200,14 +200,14 @@ impl ViewOutcome {
     /// Everything that was measured.
     pub fn to_json(&self) -> Value {
         let measured = |found: &TimeAndError| json!({ "seconds": found.seconds, "relmse": found.relmse });
-        let duel = |duel: &TreeAgainstMarch| {
+        let comparison = |comparison: &TreeAgainstMarch| {
             json!({
-                "light_rays": duel.light_rays, "tree": measured(&duel.tree),
-                "march": duel.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
+                "light_rays": comparison.light_rays, "tree": measured(&comparison.tree),
+                "march": comparison.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
             })
         };
         json!({
-            "name": self.name, "duels": self.duels.iter().map(duel).collect::<Vec<_>>(),
+            "name": self.name, "duels": self.comparisons.iter().map(comparison).collect::<Vec<_>>(),
             "sampling": self.sampling.as_ref()
                 .map(|Sampling { spacing, steps, found, .. }| json!([spacing, steps, measured(found)])),
             "min_max": measured(&self.min_max),
@@ -219,17 +219,17 @@ impl ViewOutcome {
 fn best_sampling(
     subject: &FogView,
     reference: &Reference,
-    duel: &TreeAgainstMarch,
+    comparison: &TreeAgainstMarch,
     pool: &ThreadPool,
 ) -> Option<Sampling> {
-    let (fewest, _) = duel.march?;
+    let (fewest, _) = comparison.march?;
     let of = |(spacing, finer): (usize, f64)| {
         let steps = (f64::from(fewest) * finer) as u32;
         let usual = epipolar_sampling::EpipolarSamplingParameters::of(Quality::High);
         let sampling = epipolar_sampling::EpipolarSamplingParameters { spacing, steps, ..usual };
         let (radiance, seconds) = subject.once(&|lit, radiance| sampling.add(lit, radiance), pool);
         let found = TimeAndError { seconds, relmse: reference.error_of_image(&radiance) };
-        Sampling { spacing, steps, found, is_as_good: found.relmse <= duel.tree.relmse }
+        Sampling { spacing, steps, found, is_as_good: found.relmse <= comparison.tree.relmse }
     };
     let all = SPACINGS.into_iter().flat_map(|spacing| FINER.map(|finer| (spacing, finer)));
     // Good ones come first, by time; others by error.
@@ -246,15 +246,15 @@ fn best_sampling(
 /// Sets the least and the greatest speed-up, and the worst errors.
 pub fn set_extremes(outcomes: &[ViewOutcome], figures: &mut Figures) {
     for (which, suffix) in [(0, ""), (1, "_quarter")] {
-        let speedups = || outcomes.iter().map(|outcome| outcome.duels[which].speedup());
+        let speedups = || outcomes.iter().map(|outcome| outcome.comparisons[which].speedup());
         figures.set(&format!("speedup_min{suffix}"), speedups().fold(f64::INFINITY, f64::min));
         figures.set(&format!("speedup_max{suffix}"), speedups().fold(0.0, f64::max));
     }
     let worst = |error: fn(&TreeAgainstMarch) -> f64| {
-        outcomes.iter().map(|outcome| error(&outcome.duels[0])).fold(0.0, f64::max)
+        outcomes.iter().map(|outcome| error(&outcome.comparisons[0])).fold(0.0, f64::max)
     };
-    figures.set("relmse_tree", worst(|duel| duel.tree.relmse));
-    figures.set("relmse_march", worst(|duel| duel.march.map_or(0.0, |(_, march)| march.relmse)));
+    figures.set("relmse_tree", worst(|comparison| comparison.tree.relmse));
+    figures.set("relmse_march", worst(|comparison| comparison.march.map_or(0.0, |(_, march)| march.relmse)));
 }
 
 /// Rows of a table.
@@ -271,27 +271,27 @@ pub fn rows(outcomes: &[ViewOutcome]) -> Vec<Vec<String>> {
         "min/max s",
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for ViewOutcome { name, duels, sampling, min_max } in outcomes {
-        for (which, duel) in duels.iter().enumerate() {
+    for ViewOutcome { name, comparisons, sampling, min_max } in outcomes {
+        for (which, comparison) in comparisons.iter().enumerate() {
             let march = |of: &dyn Fn(&(u32, TimeAndError)) -> String| {
-                duel.march.as_ref().map_or("worse".to_owned(), of)
+                comparison.march.as_ref().map_or("worse".to_owned(), of)
             };
             let first = |text: String| if which == 0 { text } else { String::new() };
             let sampling = match sampling {
                 Some(Sampling { found, is_as_good: true, .. }) => {
-                    format!("{:.1} times", found.seconds / duel.tree.seconds)
+                    format!("{:.1} times", found.seconds / comparison.tree.seconds)
                 }
                 Some(Sampling { found, .. }) => format!("relmse {}", table_number(found.relmse)),
                 None => String::new(),
             };
             rows.push(vec![
                 first(name.clone()),
-                duel.light_rays.to_string(),
-                table_number(duel.tree.relmse),
-                format!("{:.3}", duel.tree.seconds),
+                comparison.light_rays.to_string(),
+                table_number(comparison.tree.relmse),
+                format!("{:.3}", comparison.tree.seconds),
                 march(&|(steps, _)| steps.to_string()),
                 march(&|(_, found)| format!("{:.2}", found.seconds)),
-                march(&|(_, found)| format!("{:.1}", found.seconds / duel.tree.seconds)),
+                march(&|(_, found)| format!("{:.1}", found.seconds / comparison.tree.seconds)),
                 first(sampling),
                 first(format!("{:.3}", min_max.seconds)),
             ]);
@@ -311,13 +311,16 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
         let subject = FogView::new(Kind::Indoor, View::Side, setup).expect("a scene");
         let outcome = ViewOutcome::of(&subject, &pool);
-        for duel in &outcome.duels {
-            assert!(duel.tree.relmse < 1e-2 && duel.tree.relmse > 0.0, "{duel:?}");
-            assert!(duel.march.is_some_and(|(steps, _)| (STEPS[0]..=STEPS[1]).contains(&steps)), "{duel:?}");
-            assert!(duel.speedup() > 0.0 && duel.speedup().is_finite(), "{duel:?}");
+        for comparison in &outcome.comparisons {
+            assert!(comparison.tree.relmse < 1e-2 && comparison.tree.relmse > 0.0, "{comparison:?}");
+            assert!(
+                comparison.march.is_some_and(|(steps, _)| (STEPS[0]..=STEPS[1]).contains(&steps)),
+                "{comparison:?}"
+            );
+            assert!(comparison.speedup() > 0.0 && comparison.speedup().is_finite(), "{comparison:?}");
         }
         // As good, to what chance decides of pixels that were not compared alike.
-        let [all, _] = outcome.duels;
+        let [all, _] = outcome.comparisons;
         let (_, march) = all.march.expect("as good");
         assert!(march.relmse <= 1.1 * all.tree.relmse, "{all:?}");
         // No march is better than truth.

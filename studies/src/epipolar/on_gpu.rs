@@ -30,7 +30,7 @@ const RUNS: usize = 50;
 pub struct OnGpu {
     adapter: String,
     size: [usize; 2],
-    duels: Vec<SumsAgainstMarch>,
+    comparisons: Vec<SumsAgainstMarch>,
 }
 
 /// Partial sums of a scene and view, and the march that is as good.
@@ -56,24 +56,24 @@ impl OnGpu {
     /// If the device fails or has no room.
     pub fn of(gpu: &Gpu, setup: Setup) -> Result<Self> {
         let setup = if gpu.is_software() { Setup { size: OF_SOFTWARE, ..setup } } else { setup };
-        let mut duels = Vec::new();
+        let mut comparisons = Vec::new();
         for kind in Kind::ALL {
             for view in View::ALL {
-                duels.push(SumsAgainstMarch::of(
+                comparisons.push(SumsAgainstMarch::of(
                     &BenchFrame::new(gpu, kind, view, setup)?,
                     kind.called(view),
                 )?);
             }
         }
-        Ok(Self { adapter: gpu.info.name.clone(), size: setup.size, duels })
+        Ok(Self { adapter: gpu.info.name.clone(), size: setup.size, comparisons })
     }
 
     /// Sets its figures.
     pub fn set(&self, figures: &mut Figures) {
-        for duel in &self.duels {
-            figures.set(&format!("gpu_ratio_{}", duel.name), duel.ratio());
+        for comparison in &self.comparisons {
+            figures.set(&format!("gpu_ratio_{}", comparison.name), comparison.ratio());
         }
-        let ratios = || self.duels.iter().map(SumsAgainstMarch::ratio);
+        let ratios = || self.comparisons.iter().map(SumsAgainstMarch::ratio);
         figures.set("gpu_ratio_min", ratios().fold(f64::INFINITY, f64::min));
         figures.set("gpu_ratio_max", ratios().fold(0.0, f64::max));
     }
@@ -81,15 +81,15 @@ impl OnGpu {
     /// Everything that was measured.
     pub fn to_json(&self) -> Value {
         let measured = |found: &TimeAndError| json!({ "seconds": found.seconds, "relmse": found.relmse });
-        let duel = |duel: &SumsAgainstMarch| {
+        let comparison = |comparison: &SumsAgainstMarch| {
             json!({
-                "name": duel.name, "sums": measured(&duel.sums),
-                "march": duel.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
+                "name": comparison.name, "sums": measured(&comparison.sums),
+                "march": comparison.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
             })
         };
         json!({
             "adapter": self.adapter, "size": self.size,
-            "duels": self.duels.iter().map(duel).collect::<Vec<_>>(),
+            "duels": self.comparisons.iter().map(comparison).collect::<Vec<_>>(),
         })
     }
 
@@ -97,7 +97,7 @@ impl OnGpu {
     pub fn rows(&self) -> Vec<Vec<String>> {
         let head = ["on the GPU", "relmse", "sums ms", "steps", "march ms", "times as fast"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
-        for SumsAgainstMarch { name, sums, march } in &self.duels {
+        for SumsAgainstMarch { name, sums, march } in &self.comparisons {
             let of_march = |text: &dyn Fn(u32, &TimeAndError) -> String| {
                 march.as_ref().map_or("worse".to_owned(), |(steps, found)| text(*steps, found))
             };

@@ -23,12 +23,12 @@ const TINY: Size = Size {
 };
 
 /// The files below a folder that are dear to make: pairs, truth and networks, and when they were written.
-fn dear(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
+fn costly(folder: &Path) -> BTreeMap<PathBuf, SystemTime> {
     let mut files = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("listed") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
-            files.extend(dear(&path));
+            files.extend(costly(&path));
         } else if path.extension().is_some_and(|kind| kind == "exr" || kind == "safetensors") {
             let time = path.metadata().and_then(|metadata| metadata.modified()).expect("a time");
             files.insert(path, time);
@@ -61,13 +61,13 @@ fn a_study_finds_again_what_it_made_and_gives_the_same() {
     let first = table(Study::Scenes, folder.path());
     assert_eq!(names(&first), ["ssim_scenes1", "ssim_scenes2", "ssim_trivial"]);
     assert_ne!(similarities(&first)[0], similarities(&first)[1], "two networks");
-    let made = dear(folder.path());
+    let made = costly(folder.path());
     assert_eq!(made.len(), 20 + 15 + 5 + 2, "pairs, truth of tiles and of a frame, networks");
     // As if the program had been killed after the first network.
     std::fs::remove_dir_all(folder.path().join("runs/scenes-2")).expect("removed");
     let again = table(Study::Scenes, folder.path());
     assert_eq!(similarities(&again), similarities(&first));
-    let kept = dear(folder.path()).into_iter().filter(|(path, time)| made.get(path) == Some(time)).count();
+    let kept = costly(folder.path()).into_iter().filter(|(path, time)| made.get(path) == Some(time)).count();
     assert_eq!(kept, made.len() - 1, "only the network that was missing is made");
     for (file, holds) in [
         ("table.md", "- size `tiny`"),

@@ -88,7 +88,7 @@ impl Costs {
     }
 }
 
-/// Bytes that a plan's propagation moves at least.
+/// Bytes that propagation moves at least.
 fn bytes(passes: &MethodPasses) -> u64 {
     let steps = passes.steps().iter().filter(|step| step.step.pass.is_of("lpv.propagate"));
     steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()

@@ -126,8 +126,8 @@ impl<'a> LpvFrame<'a> {
         self.planned(&ScreenMethod::new(self.gpu, parameters))
     }
 
-    /// What surfels have put into each cell, red, watts, once a plan of [`Self::clear`] has run; `face` is
-    /// the area of a cell's.
+    /// What surfels have put into each cell, red, watts, once the passes of [`Self::clear`] have run;
+    /// `face` is the area of a cell's.
     ///
     /// # Errors
     /// If the device fails.

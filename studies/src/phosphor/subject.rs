@@ -77,7 +77,7 @@ impl<'a> GlowingRoom<'a> {
         Ok(())
     }
 
-    /// What a plan has made.
+    /// What passes have made.
     ///
     /// # Errors
     /// If the device fails.
@@ -102,7 +102,7 @@ impl<'a> GlowingRoom<'a> {
         gbuffer::render(&self.scene, &camera, height, width, &[attribute]).planes().clone()
     }
 
-    /// Milliseconds of a plan, of the frame that was made last.
+    /// Milliseconds of passes, of the frame that was made last.
     ///
     /// # Errors
     /// If the device fails.

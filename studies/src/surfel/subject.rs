@@ -105,7 +105,7 @@ impl<'a> SurfelFrame<'a> {
         Ok(found / patches::covered_area(self.frame.world().patches(), &vertices) - 1.0)
     }
 
-    /// The area of all surfels that a plan's passes lay out, m².
+    /// The area of all surfels that a method's passes lay out, m².
     fn surfel_area(&self, passes: &MethodPasses) -> Result<f64, GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
         let laying = passes.steps().iter().take_while(|step| stages::Stage::is_laying(step));

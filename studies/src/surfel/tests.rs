@@ -22,7 +22,7 @@ fn every_pass_has_a_stage_and_stages_add_up() {
     let subject = SurfelFrame::new(&gpu, &animated_view, None, size, &attributes).expect("room");
     for method in &methods {
         let name = format!("{} by {}", method.effect(), method.name());
-        let passes = MethodPasses::new(method, &subject.inputs(), &subject.view).expect("a plan");
+        let passes = MethodPasses::new(method, &subject.inputs(), &subject.view).expect("passes");
         assert!(passes.steps().iter().all(|step| Stage::of(step).is_some()), "{name}");
         let cost = Cost::of(&gpu, &passes, 1).expect("times");
         let has = |stage| cost.stages.iter().any(|(other, _)| *other == stage);

@@ -104,19 +104,19 @@ fn turned(shape: ConvShape, weight: &[f32]) -> Vec<f32> {
 /// The stripes of the work, each with the parts of the operand's gradients that it makes.
 fn stripes<'a>(shape: ConvShape, operand: &Operand<'_>, gradients: &'a mut [Vec<f32>]) -> Vec<Stripe<'a>> {
     let mut stripes = shape.stripes();
-    let mut deal = |image, positions: &[usize], scale| {
-        shape.deal(&mut stripes, shape.inputs, image, positions, scale);
+    let mut distribute = |image, positions: &[usize], scale| {
+        shape.distribute(&mut stripes, shape.inputs, image, positions, scale);
     };
     let channels: Vec<usize> = (0..shape.groups * shape.inputs).collect();
     match (operand, gradients) {
-        (Operand::Plain(_), [image]) => deal(image, &channels, Scale::Same),
-        (Operand::Pooled(_), [image]) => deal(image, &channels, Scale::Double),
+        (Operand::Plain(_), [image]) => distribute(image, &channels, Scale::Same),
+        (Operand::Pooled(_), [image]) => distribute(image, &channels, Scale::Double),
         (Operand::Joined { coarse, order, .. }, [coarse_gradient, fine_gradient]) => {
             let mut positions = channels;
             order.iter().enumerate().for_each(|(position, channel)| positions[*channel] = position);
             let (of_coarse, of_fine) = positions.split_at(coarse.channels);
-            deal(coarse_gradient, of_coarse, Scale::Half);
-            deal(fine_gradient, of_fine, Scale::Same);
+            distribute(coarse_gradient, of_coarse, Scale::Half);
+            distribute(fine_gradient, of_fine, Scale::Same);
         }
         // No gradient of the operand is wanted.
         _ => {}

@@ -103,7 +103,7 @@ async fn live(address: &str, values: &Path, found: &mut Vec<(String, f64)>) -> R
             let (count, refused) = browser.refused_shaders().await?;
             ensure!(count > 0 && refused.is_empty(), "the browser refuses shaders:\n{}", refused.join("\n"));
             found.push(("shaders".to_owned(), count as f64));
-            judged(&browser, one, found).await?;
+            compare_scores(&browser, one, found).await?;
         }
         let said = browser.text("message").await?;
         ensure!(said.is_empty(), "{effect}: the page says: {said}");
@@ -114,7 +114,7 @@ async fn live(address: &str, values: &Path, found: &mut Vec<(String, f64)>) -> R
 }
 
 /// Waits for truth, and reads what methods score against it.
-async fn judged(browser: &Browser, one: &Value, found: &mut Vec<(String, f64)>) -> Result<()> {
+async fn compare_scores(browser: &Browser, one: &Value, found: &mut Vec<(String, f64)>) -> Result<()> {
     browser.until_samples(SAMPLES, PATIENCE).await?;
     for method in one["wish"]["methods"].as_array().context("methods")? {
         let method = method.as_str().context("a method")?;

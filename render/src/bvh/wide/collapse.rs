@@ -37,7 +37,7 @@ pub struct Tree<'a> {
     pub order: Vec<u32>,
 }
 
-/// The plan of each node of a binary hierarchy with one triangle a leaf.
+/// The costs of each node of a binary hierarchy with one triangle a leaf.
 fn plans(binary: &Bvh2) -> Vec<CollapseCosts> {
     let mut plans = vec![CollapseCosts::default(); binary.nodes.len()];
     for index in children_first(binary) {
@@ -59,7 +59,7 @@ fn plans(binary: &Bvh2) -> Vec<CollapseCosts> {
     plans
 }
 
-/// The plan of a node from those of its children.
+/// The costs of a node from those of its children.
 fn joined(area: f32, first: &CollapseCosts, second: &CollapseCosts) -> CollapseCosts {
     let triangles = first.triangles.saturating_add(second.triangles);
     let mut plan = CollapseCosts { triangles, ..CollapseCosts::default() };

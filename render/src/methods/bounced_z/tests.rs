@@ -204,8 +204,8 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     let (mut found, mut right, mut compared) = (Vec3::ZERO, Vec3::ZERO, 0);
     for at in (0..48).flat_map(|y| (0..64).map(move |x| IVec2::new(x, y))) {
         let place = view.camera.position + view.camera.rotation * surface.position_at(at);
-        let judged = place.y < 1e-3 && place.z.abs() < 1.0 && (-0.5..0.7).contains(&place.x);
-        if !surface.valid_at(at) || !judged {
+        let is_measured = place.y < 1e-3 && place.z.abs() < 1.0 && (-0.5..0.7).contains(&place.x);
+        if !surface.valid_at(at) || !is_measured {
             continue;
         }
         let distance = 1.0 - place.x;

@@ -37,8 +37,8 @@ const LEAST_FORWARD: f64 = 1e-7;
 
 impl Geometry {
     /// Of a light as it is seen from an eye; `None` if it is there.
-    pub fn new(eye: Vec3, place: LampPosition) -> Option<Self> {
-        match place {
+    pub fn new(eye: Vec3, lamp: LampPosition) -> Option<Self> {
+        match lamp {
             LampPosition::Distant(axis) => Some(Self { eye, axis, reach: f32::INFINITY }),
             LampPosition::Local(position) => {
                 let reach = position.distance(eye);

@@ -48,7 +48,7 @@ impl Magnified<'_> {
     fn of_light(&self, ray: usize, distance: f32) -> f32 {
         let eye = self.lit.rays.eye;
         let point = eye + self.lit.rays.directions[ray] * distance;
-        match self.lit.lamp.place {
+        match self.lit.lamp.position {
             LampPosition::Distant(towards) => {
                 let entry = (point - eye).dot(towards) + self.haze.way_in(point, towards, f32::INFINITY);
                 self.ways.view - self.ways.least - entry

@@ -74,7 +74,7 @@ impl<'a> Rectified<'a> {
         most_magnified: f32,
     ) -> Option<Self> {
         let haze = Haze::of(lit.medium)?;
-        let geometry = Geometry::new(lit.rays.eye, lit.lamp.place)?;
+        let geometry = Geometry::new(lit.rays.eye, lit.lamp.position)?;
         let ways = Ways::of(&haze, &geometry);
         if geometry.is_parallel() && haze.bounds().is_none() {
             return None;
@@ -208,7 +208,7 @@ impl<'a> Rectified<'a> {
     fn finished(&self, ray: usize, value: Vec3) -> Vec3 {
         let [near, _] = self.lit.rays.spans[ray];
         let view = self.geometry.direction(self.lit.rays.directions[ray]);
-        let per_gamma = match self.lit.lamp.place {
+        let per_gamma = match self.lit.lamp.position {
             LampPosition::Distant(_) => self.haze.phase.evaluate(view.along) / view.aside,
             LampPosition::Local(_) => 1.0 / (self.geometry.reach * view.aside),
         };

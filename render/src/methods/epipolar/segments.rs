@@ -38,7 +38,7 @@ impl<const C: usize> SliceIntegration<C, C> for SegmentSweep {
         values: &mut [[f32; C]],
     ) {
         let of = slice.of;
-        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else {
+        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.position) else {
             return;
         };
         self.order.sort(rays);

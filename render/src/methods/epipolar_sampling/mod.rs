@@ -64,7 +64,7 @@ impl Integration for EpipolarSamplingParameters {
     fn add(&self, lit: &IntegrationInputs<'_>, radiance: &mut [Vec3]) {
         let march = March::new(lit, LIGHT_STEPS);
         let marched = |ray: usize| march.shifted(ray, self.steps);
-        let Some(geometry) = Geometry::new(lit.rays.eye, lit.lamp.place) else {
+        let Some(geometry) = Geometry::new(lit.rays.eye, lit.lamp.position) else {
             return march.add(self.steps, radiance);
         };
         let lines = Lines::new(lit.rays, &geometry);

@@ -34,8 +34,8 @@ pub fn shade(
     let mut image = Planes::filled(3, height, width, 0.0);
     let Some(lit) = LitMedium::of(scene) else { return Ok(image) };
     for light in lit.lights() {
-        let place = Lamp::new(scene.scene(), light).place;
-        let geometry = Geometry::new(view.camera.position, place);
+        let position = Lamp::new(scene.scene(), light).position;
+        let geometry = Geometry::new(view.camera.position, position);
         let rays: Vec<PlaneRay> = every_pixel(height, width, |at| {
             let reach = distances[at.y as usize * width + at.x as usize];
             PlaneRay::new(&lit, view, geometry.as_ref(), at.as_uvec2(), reach)

@@ -90,7 +90,8 @@ fn a_sphere_on_a_plane_has_its_integral() {
     let thing = move |origin: Vec3, ray: Vec3| {
         sphere(ray, centre - origin, radius).map(|(at, normal)| (at + origin, normal))
     };
-    let receiver = Receiver { plane: [Vec3::NEG_Y, Vec3::Y], thing, radius: 2.0, judged: |at| at.z > -3.5 };
+    let receiver =
+        Receiver { plane: [Vec3::NEG_Y, Vec3::Y], thing, radius: 2.0, is_measured: |at| at.z > -3.5 };
     assert_eq!(prove(&receiver, 0.05, 0.02), Ok(()));
 }
 

@@ -67,7 +67,7 @@ fn a_medium_is_lit_as_the_plain_version_has_it() {
     }
 }
 
-/// A plan of such light in a medium that has run twice, and its image, which is the same both times.
+/// The passes of such light in a medium that have run twice, and their image, which is the same both times.
 fn run_twice(
     gpu: &Gpu,
     (scene, view, gbuffer): &ViewedScene,
@@ -93,7 +93,7 @@ fn run_twice(
     passes
 }
 
-/// What a pass of a plan has written last.
+/// What a pass has written last.
 fn written<T: bytemuck::Pod>(gpu: &Gpu, passes: &MethodPasses, label: &str) -> Vec<T> {
     let step = passes.steps().iter().rfind(|step| step.step.pass.is_of(label)).expect("a pass");
     gpu::read(&gpu.device, &gpu.queue, step.writes.last().expect("a buffer")).expect("its contents")

@@ -62,7 +62,7 @@ impl<const C: usize> SliceIntegration<C, C> for ClosedForm {
         values: &mut [[f32; C]],
     ) {
         let of = slice.of;
-        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.place) else {
+        let (Some(bounds), LampPosition::Distant(towards)) = (of.haze.bounds(), of.lit.lamp.position) else {
             return;
         };
         slice.light.trace(crossed(rays, of.spacing.count), &mut self.traced);

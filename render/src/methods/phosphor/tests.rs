@@ -81,7 +81,7 @@ fn shaded(method: &impl Method, (scene, view, gbuffer): &(TracedScene, View, GBu
     method.shade(&frame, Repeats::ONCE).expect("an image").image
 }
 
-/// The shares that the step of a plan, its last pass but one, has written.
+/// The shares that the last pass but one has written.
 fn states(gpu: &Gpu, passes: &MethodPasses) -> Vec<f32> {
     let step = passes.steps().iter().rev().nth(1).expect("passes");
     let mut states: Vec<f32> = gpu::read(&gpu.device, &gpu.queue, &step.writes[0]).expect("states");
@@ -97,7 +97,7 @@ fn both_states((scene, view, gbuffer): &(TracedScene, View, GBuffer), texels: u3
     let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
     let world = screen::world(&gpu, scene.scene(), view).expect("room");
     let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
-    let passes = MethodPasses::new(&method, &inputs, view).expect("a plan");
+    let passes = MethodPasses::new(&method, &inputs, view).expect("passes");
     gpu::submit(&gpu.device, &gpu.queue, "test", |encoder| passes.encode(encoder)).expect("valid passes");
     let plain = reference::shade(scene, view, RateEquationParameters::exact(texels)).swap_remove(0);
     [states(&gpu, &passes), plain]
@@ -304,7 +304,7 @@ fn moments_tend_to_the_rate_equation_where_light_is_weak() {
     assert!((4.0..14.0).contains(&(few / many)) && many < 0.1, "{few} {many}");
 }
 
-/// A frame loop of one's own: the world as it is at a moment, then the plan.
+/// A frame loop of one's own: the world as it is at a moment, then the passes.
 struct Loop {
     gpu: Gpu,
     world: crate::raster::World,
@@ -324,7 +324,7 @@ impl Loop {
         let uploaded = GpuGBuffer::upload(&gpu.device, gbuffer, ATTRIBUTES).expect("attributes");
         let world = crate::raster::World::new(&gpu, animated, Some(512)).expect("room");
         let inputs = Inputs { gbuffer: &uploaded, environment: None, world: Some(&world) };
-        let passes = MethodPasses::new(&method, &inputs, view).expect("a plan");
+        let passes = MethodPasses::new(&method, &inputs, view).expect("passes");
         Self { gpu, world, passes, view: *view }
     }
 

@@ -23,7 +23,7 @@ pub struct Receiver<F> {
     /// How far the effect reaches, metres.
     pub radius: f32,
     /// Which points of the plane face the side of the thing that the camera sees.
-    pub judged: fn(Vec3) -> bool,
+    pub is_measured: fn(Vec3) -> bool,
 }
 
 impl<F: Fn(Vec3, Vec3) -> Met> Receiver<F> {
@@ -63,7 +63,7 @@ impl<F: Fn(Vec3, Vec3) -> Met> Receiver<F> {
         for (y, x) in (3..HEIGHT).step_by(3).flat_map(|y| (3..WIDTH).step_by(7).map(move |x| (y, x))) {
             let at = Vec3::from_array([0, 1, 2].map(|channel| position.at(channel, y, x)));
             let on_plane = at.z < 0.0 && (at - self.plane[0]).dot(self.plane[1]).abs() < 1e-3;
-            if !on_plane || !(self.judged)(at) {
+            if !on_plane || !(self.is_measured)(at) {
                 continue;
             }
             let share = self.share_met(at);
@@ -90,7 +90,7 @@ pub fn beside_wall() -> Receiver<impl Fn(Vec3, Vec3) -> Met> {
         let met = crossing(origin, ray, Vec3::new(0.0, 0.0, -4.2), Vec3::Z);
         met.filter(|(at, _)| at.y > -1.5 && at.y < 0.0)
     };
-    Receiver { plane: [-1.5 * Vec3::Y, Vec3::Y], thing, radius: 1.2, judged: |_| true }
+    Receiver { plane: [-1.5 * Vec3::Y, Vec3::Y], thing, radius: 1.2, is_measured: |_| true }
 }
 
 /// A plane that faces the camera, and a disk above it that does so, too.
@@ -98,5 +98,5 @@ pub fn below_disk() -> Receiver<impl Fn(Vec3, Vec3) -> Met> {
     let middle = Vec3::new(0.0, 0.0, -4.4);
     let thing =
         move |origin, ray| crossing(origin, ray, middle, Vec3::Z).filter(|(at, _)| at.distance(middle) < 0.5);
-    Receiver { plane: [Vec3::new(0.0, 0.0, -5.0), Vec3::Z], thing, radius: 1.5, judged: |_| true }
+    Receiver { plane: [Vec3::new(0.0, 0.0, -5.0), Vec3::Z], thing, radius: 1.5, is_measured: |_| true }
 }

@@ -73,7 +73,7 @@ impl<'a> General<'a> {
     }
 
     fn cut(&self, direction: Vec3, [near, far]: [f32; 2], count: u32) -> Cut {
-        match self.lit.lamp.place {
+        match self.lit.lamp.position {
             LampPosition::Distant(_) => Cut::Distances([near, (far - near) / count as f32]),
             LampPosition::Local(position) => {
                 let offset = position - self.lit.rays.eye;
@@ -92,7 +92,7 @@ impl<'a> General<'a> {
     fn arriving(&self, point: Vec3, direction: Vec3) -> (Vec3, f32, f32) {
         let lamp = self.lit.lamp;
         let power = lamp.power * if lamp.is_even() { Vec3::ONE } else { lamp.tint(point) };
-        match lamp.place {
+        match lamp.position {
             LampPosition::Distant(towards) => {
                 (power, towards.dot(direction), self.way_in(point, towards, f32::INFINITY))
             }

@@ -107,7 +107,7 @@ impl<'a> March<'a> {
     pub fn new(lit: &IntegrationInputs<'a>, light_steps: u32) -> Self {
         let haze = Haze::of(lit.medium);
         let deep = haze.map_or(f32::INFINITY, |haze| haze.deep());
-        let way = match (haze, lit.lamp.place) {
+        let way = match (haze, lit.lamp.position) {
             (Some(haze), LampPosition::Distant(towards)) => Way::Distant(Distant::new(lit, haze, towards)),
             (haze, _) => Way::General(General::new(lit, haze, light_steps)),
         };

@@ -21,7 +21,7 @@ pub struct Lamp<'a> {
     /// The light with a power of 1 in every colour and no end.
     unit: Light,
     /// Where it is.
-    pub place: LampPosition,
+    pub position: LampPosition,
     /// Irradiance, W/m^2, of a distant light, intensity, W/sr, of others, RGB; [`Lamp::tint`] not counted.
     pub power: Vec3,
     /// Where the light ends, metres from it.
@@ -32,7 +32,7 @@ impl<'a> Lamp<'a> {
     /// One of a scene's lights.
     pub fn new(scene: &'a Scene, light: &Light) -> Self {
         let mut unit = *light;
-        let (place, power, range) = match &mut unit {
+        let (position, power, range) = match &mut unit {
             Light::Point { position, intensity, range } | Light::Spot { position, intensity, range, .. } => (
                 LampPosition::Local(*position),
                 std::mem::replace(intensity, Vec3::ONE),
@@ -42,12 +42,12 @@ impl<'a> Lamp<'a> {
                 (LampPosition::Distant(-*direction), std::mem::replace(irradiance, Vec3::ONE), f32::INFINITY)
             }
         };
-        Self { scene, unit, place, power, range }
+        Self { scene, unit, position, power, range }
     }
 
     /// Whether it is infinitely far away.
     pub const fn is_distant(&self) -> bool {
-        matches!(self.place, LampPosition::Distant(_))
+        matches!(self.position, LampPosition::Distant(_))
     }
 
     /// Whether all of its rays are alike.
@@ -62,7 +62,7 @@ impl<'a> Lamp<'a> {
 
     /// By what the power of the ray through a point is multiplied: cones and pictures.
     pub fn tint(&self, point: Vec3) -> Vec3 {
-        match self.place {
+        match self.position {
             LampPosition::Distant(_) => Arrival::new(self.scene, &self.unit, point).irradiance,
             LampPosition::Local(position) => {
                 let away = (point - position).normalize_or(Vec3::Y);

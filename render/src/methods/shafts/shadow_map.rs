@@ -67,7 +67,7 @@ pub struct Stereographic {
 impl ShadowMap {
     /// The map of a lamp, of `size` texels a side (a multiple of [`TILE`]).
     pub fn new(scene: &TracedScene, lamp: &Lamp<'_>, size: usize) -> Self {
-        let projection = match lamp.place {
+        let projection = match lamp.position {
             LampPosition::Distant(towards) => Projection::Parallel(Parallel::around(scene, -towards, size)),
             LampPosition::Local(position) => {
                 Projection::Stereographic(Stereographic::new(position, lamp.cone(), size))

@@ -85,7 +85,7 @@ fn a_wall_gets_the_form_factor_of_the_square_that_it_faces() {
         met.filter(|(at, _)| (at - middle).abs().dot(Vec3::new(0.5, 0.0, 0.866)) < 0.6 && at.y.abs() < 0.6)
     };
     let plane = [Vec3::new(-1.0, 0.0, -4.0), Vec3::new(0.866, 0.0, 0.5)];
-    let receiver = Receiver { plane, thing, radius: 4.0, judged: |at| at.z > -4.8 };
+    let receiver = Receiver { plane, thing, radius: 4.0, is_measured: |at| at.z > -4.8 };
     assert_eq!(prove(&receiver, 2.0, 0.04), Ok(()));
     assert!(prove(&receiver, 2.4, 0.04).is_err(), "more light");
 }

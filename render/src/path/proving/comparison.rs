@@ -25,7 +25,7 @@ pub struct Comparison<'a> {
 
 impl Comparison<'_> {
     /// Writes it down where that is wanted, and asserts it.
-    pub fn settle(&self) {
+    pub fn record_and_assert(&self) {
         if let Some(path) = std::env::var_os(FILE) {
             let file = OpenOptions::new().create(true).append(true).open(path);
             // One write a line, so that lines of tests that run at once do not mix.

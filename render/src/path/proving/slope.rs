@@ -24,7 +24,8 @@ pub fn prove_slope(name: &str, truth: f64, mean: impl Fn(u32, u32) -> f32) {
         let squares: f64 = slopes.iter().map(|slope| (slope - value).powi(2)).sum();
         let error = (squares / (count * (count - 1.0))).sqrt();
         let within = value <= SLOWEST + 3.0 * error;
-        Comparison { name, value, expected: SLOWEST, standard_error: Some(error), within, control }.settle();
+        Comparison { name, value, expected: SLOWEST, standard_error: Some(error), within, control }
+            .record_and_assert();
     }
 }
 

@@ -29,7 +29,7 @@ fn light_gets_as_far_as_rays_say() {
             if lamp.tint(point) == Vec3::ZERO {
                 continue;
             }
-            let (direction, reach) = match lamp.place {
+            let (direction, reach) = match lamp.position {
                 LampPosition::Distant(towards) => (towards, f32::INFINITY),
                 LampPosition::Local(position) => (position - point, 1.0),
             };

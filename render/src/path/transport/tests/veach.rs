@@ -114,7 +114,7 @@ fn both_ways_together_are_not_much_worse_than_the_better_one() {
             // Each way alone.
             control: way > 0,
         };
-        comparison.settle();
+        comparison.record_and_assert();
     }
     assert!(better.iter().all(|count| *count >= 4), "each is the better one somewhere: {better:?}");
     assert!(total[0] < 0.5 * total[1].min(total[2]), "and together they beat each alone: {total:?}");
