@@ -135,7 +135,8 @@ impl Estimator {
             Self::Surfel(parameters) => {
                 let (scene, camera) = inputs.scene.ok_or_else(|| self.wants_scene())?;
                 let view = View { camera: *camera, ..view(inputs)? };
-                let disks = surfels::reference::laid(scene, &parameters.surfels, &view, Some(SurfelLight::Reflected));
+                let disks =
+                    surfels::reference::laid(scene, &parameters.surfels, &view, Some(SurfelLight::Reflected));
                 Ok(surfel::splat::light(&surface, &disks, parameters, &view).data().to_vec())
             }
         }
