@@ -29,17 +29,9 @@ struct Budget {
     rate: &'static str,
     /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
     share: Option<&'static str>,
-    /// Of a network that is trained on views that are rendered while it trains: which one it is. None where
-    /// pairs are made before, of the recipe of its name.
-    streamed: Option<Streamed>,
-}
-
-/// A network that is trained on views without end.
-struct Streamed {
-    /// `--network`, `--channels` and `--estimate`.
-    network: [&'static str; 3],
-    /// Qualities of the methods that it is held against: those that take about as long.
-    rivals: &'static str,
+    /// Of a network that is trained on views that are rendered while it trains: `--network`, `--channels` and
+    /// `--estimate`. None where pairs are made before, of the recipe of its name.
+    streamed: Option<[&'static str; 3]>,
 }
 
 /// The recipe of views without end, and those of the test sets by radius, with the names of their folders.
@@ -50,7 +42,7 @@ const RADII: [(&str, &str); 3] = [
     ("testset-large", "ao-large-radius-test"),
 ];
 
-/// The shipped networks, cheap ones first, and `ao-paper`, which is not shipped yet.
+/// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where
 /// these predict kernels, 40 of `ibl`, 500 of `aa`. It makes a pair with 64 samples in five seconds. So data
@@ -96,23 +88,9 @@ const BUDGETS: [Budget; 13] = [
         share: Some("0.04"),
         streamed: None,
     },
-    Budget {
-        name: "ao",
-        steps: 11_000,
-        streamed: Some(Streamed { network: ["corrected", "24", "gtao:high"], rivals: ALL }),
-        ..CORRECTED
-    },
-    Budget {
-        name: "ao-small",
-        steps: 8_500,
-        streamed: Some(Streamed { network: ["corrected", "12", "gtao:low"], rivals: "low,medium" }),
-        ..CORRECTED
-    },
-    Budget {
-        name: "ao-paper",
-        streamed: Some(Streamed { network: ["paper", "24", "gtao:high"], rivals: ALL }),
-        ..CORRECTED
-    },
+    Budget { name: "ao", steps: 11_000, streamed: Some(["corrected", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ao-small", steps: 8_500, streamed: Some(["corrected", "12", "gtao:low"]), ..CORRECTED },
+    Budget { name: "ao-paper", streamed: Some(["paper", "24", "gtao:high"]), ..CORRECTED },
     Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
 
@@ -120,9 +98,6 @@ const BUDGETS: [Budget; 13] = [
 /// fourteen of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
-
-/// All qualities of methods.
-const ALL: &str = "low,medium,high,ultra";
 
 /// How often a view is used on average. With the default, 8, rendering was half of the time.
 const USES: &str = "32";
@@ -170,8 +145,8 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    if let Some(streamed) = &budget.streamed {
-        return streamed_steps(budget, streamed, work);
+    if let Some(network) = budget.streamed {
+        return streamed_steps(budget, network, work);
     }
     let Budget { name, steps, batch, crop, rate, share, .. } = budget;
     let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
@@ -215,7 +190,7 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
 }
 
 /// The steps of a network on views without end, which is tested at each radius.
-fn streamed_steps(budget: &Budget, streamed: &Streamed, work: &Path) -> Vec<(&'static str, Command)> {
+fn streamed_steps(budget: &Budget, network: [&str; 3], work: &Path) -> Vec<(&'static str, Command)> {
     let Budget { name, steps, batch, crop, rate, .. } = budget;
     let recipe = |name: &str| format!("dataset/recipes/{name}.toml");
     let run = work.join("runs").join(name).display().to_string();
@@ -225,7 +200,7 @@ fn streamed_steps(budget: &Budget, streamed: &Streamed, work: &Path) -> Vec<(&'s
     let words = ["--steps", &steps, "--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
     let options = ["--network", "--channels", "--estimate"];
     let which: Vec<&str> =
-        options.into_iter().zip(streamed.network).flat_map(|(option, value)| [option, value]).collect();
+        options.into_iter().zip(network).flat_map(|(option, value)| [option, value]).collect();
     let train = ["train", "--recipe", &recipe(STREAM), "--uses", USES, "--out", &run];
     let mut all = vec![
         ("training", deepshade(&[&train[..], &which, &words].concat())),
@@ -236,7 +211,7 @@ fn streamed_steps(budget: &Budget, streamed: &Streamed, work: &Path) -> Vec<(&'s
         let testset = format!("models/{STREAM}/{folder}");
         all.push(("test set", deepshade(&["dataset", "testset", &recipe(test), "--out", &testset])));
     }
-    let rivals = ["--methods", "learned,gtao,hbao", "--quality", streamed.rivals];
+    let rivals = ["--methods", "learned,gtao,hbao", "--quality", "low,medium,high,ultra"];
     let evaluation = [&["eval", "--model", &model][..], &rivals, &["--json", &metrics]].concat();
     all.extend([
         ("evaluation", deepshade(&[&evaluation[..], &["--results", "models/results.json"]].concat())),
@@ -256,7 +231,7 @@ mod tests {
             let own = vec![(*name).to_owned(), format!("{name}-test")];
             let shared =
                 || [STREAM].into_iter().chain(RADII.map(|(_, test)| test)).map(str::to_owned).collect();
-            for recipe in streamed.as_ref().map_or(own, |_| shared()) {
+            for recipe in streamed.map_or(own, |_| shared()) {
                 let file = root().join(format!("dataset/recipes/{recipe}.toml"));
                 let text = std::fs::read_to_string(&file).expect("a recipe of that name");
                 let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());

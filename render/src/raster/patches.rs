@@ -59,6 +59,19 @@ pub fn origins(scene: &Scene) -> Vec<[usize; 2]> {
     cut_into(scene, &draws_of(scene), PARTS, |part| [part.mesh, part.triangle])
 }
 
+/// The [patches](of_scene) of a scene that stays, painted where `is_wanted` says so of a patch before that.
+pub fn painted_where(scene: &Scene, is_wanted: impl FnOnce(&[Patch]) -> Vec<bool>) -> Vec<Patch> {
+    let cut = |part: &TrianglePart<'_>| (part.patch, [part.mesh, part.triangle]);
+    let (mut patches, origins): (Vec<Patch>, Vec<_>) =
+        cut_into(scene, &draws_of(scene), PARTS, cut).into_iter().unzip();
+    let wanted = is_wanted(&patches);
+    let all = patches.par_iter_mut().zip(origins).zip(wanted);
+    all.filter(|(_, wanted)| *wanted).for_each(|((patch, [mesh, triangle]), _)| {
+        *patch = painted(&TrianglePart { patch: *patch, scene, mesh, triangle });
+    });
+    patches
+}
+
 /// A part of a triangle.
 struct TrianglePart<'a> {
     patch: Patch,

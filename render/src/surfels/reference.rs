@@ -196,11 +196,8 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 
 /// The surfels of a scene that stays, for a view.
 pub fn surfels(scene: &Scene, parameters: &SurfelDensity, view: &View) -> Vec<Disk> {
-    let patches = patches::of_scene(scene);
-    let vertices = vertices(scene.meshes.iter(), &view.camera);
-    let settings = parameters.settings(view);
-    let amounts = amounts(&patches, &vertices, &settings, view);
-    disks(&patches, &vertices, &amounts, &settings)
+    let (patches, amounts) = patches_in_reach(scene, parameters, view);
+    disks(&patches, &vertices(scene.meshes.iter(), &view.camera), &amounts, &parameters.settings(view))
 }
 
 /// The surfels of a scene that stays, for a view, with the light that they send, if any.
@@ -210,11 +207,24 @@ pub fn laid(
     view: &View,
     light: Option<SurfelLight>,
 ) -> Vec<Disk> {
-    let disks = surfels(scene.scene(), parameters, view);
+    let (patches, amounts) = patches_in_reach(scene.scene(), parameters, view);
+    let vertices = vertices(scene.scene().meshes.iter(), &view.camera);
+    let disks = disks(&patches, &vertices, &amounts, &parameters.settings(view));
     match light {
-        Some(light) => lit(scene, disks, &view.camera, light),
+        Some(light) => lit(scene, disks, &patches, &view.camera, light),
         None => disks,
     }
+}
+
+/// The patches of a scene, and how many surfels each gets; those without one are not painted.
+fn patches_in_reach(scene: &Scene, parameters: &SurfelDensity, view: &View) -> (Vec<Patch>, Vec<f32>) {
+    let vertices = vertices(scene.meshes.iter(), &view.camera);
+    let mut all = Vec::new();
+    let patches = patches::painted_where(scene, |patches| {
+        all = amounts(patches, &vertices, &parameters.settings(view), view);
+        all.iter().map(|amount| *amount > 0.0).collect()
+    });
+    (patches, all)
 }
 
 /// Radiance that each of a scene's patches gives back of what it kept at its middle.
@@ -237,11 +247,16 @@ fn giving_back(scene: &TracedScene, disks: Vec<Disk>, patches: &[Patch]) -> Vec<
     disks.into_iter().map(kept).collect()
 }
 
-/// Disks that send light of a scene's lamps, with exact shadows.
-pub fn lit(scene: &TracedScene, disks: Vec<Disk>, camera: &Camera, lit: SurfelLight) -> Vec<Disk> {
-    let patches = patches::of_scene(scene.scene());
+/// Disks of patches that send light of a scene's lamps, with exact shadows.
+pub fn lit(
+    scene: &TracedScene,
+    disks: Vec<Disk>,
+    patches: &[Patch],
+    camera: &Camera,
+    lit: SurfelLight,
+) -> Vec<Disk> {
     let medium = match lit {
-        SurfelLight::Kept => return giving_back(scene, disks, &patches),
+        SurfelLight::Kept => return giving_back(scene, disks, patches),
         SurfelLight::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
         SurfelLight::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
         SurfelLight::Reflected | SurfelLight::Received => None,

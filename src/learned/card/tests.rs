@@ -53,12 +53,43 @@ fn passes_and_processor_estimate_the_same() {
     let gbuffer = stairs();
     let passes = estimated_by_card(&gpu, &gbuffer, 0.5);
     let estimator = Estimator::named("gtao", "low").expect("known");
-    let vectors = estimator.on_processor(&gbuffer, 0.5, SEED).expect("runs");
+    let inputs = EstimateInputs { gbuffer: &gbuffer, radius: 0.5, seed: SEED, scene: None };
+    let vectors = estimator.on_processor(&inputs).expect("runs");
     assert_eq!(passes.len(), 2 * SIZE[0] * SIZE[1]);
     let far = passes.iter().zip(&vectors).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
     assert!(far * 50 < passes.len(), "{far} of {} numbers", passes.len());
     let (image, raw) = passes.split_at(SIZE[0] * SIZE[1]);
     assert!(image.iter().zip(raw).any(|(image, raw)| (image - raw).abs() > 0.02), "one is blurred");
+}
+
+#[test]
+fn indirect_light_is_corrected_of_a_scene_or_of_a_layer_that_has_it() {
+    let gpu = Gpu::new().expect("an adapter");
+    let room: SceneSource = "room:7".parse().expect("a family");
+    let scene = TracedScene::new(room.scene(0.0).expect("a scene")).expect("a scene");
+    let bounds = scene.scene().bounds();
+    let camera = Camera::look_at(bounds.centre() + 0.3 * bounds.size(), bounds.centre());
+    let gbuffer = gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL);
+    let radius = 0.2 * bounds.diagonal();
+    let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 0 };
+    let estimate = deepshade_infer::AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
+    let mut model = random(NetSpec::corrected(Effect::Gi, 8, estimate, REACH).expect("it has one"));
+    // It leaves the estimate as it is.
+    let last = model.weights.0.last_mut().expect("a layer");
+    last.weight.fill(0.0);
+    last.bias.fill(0.0);
+    let processor = Learned::on_processor(&model).expect("prepared");
+    let by_processor = processor.shade(&frame, Repeats::ONCE).expect("shades").image;
+    let by_card = Learned::on_adapter(&gpu, &model).expect("compiles").shade(&frame, Repeats::ONCE);
+    let by_card = by_card.expect("shades").image;
+    let mean = |image: &Planes| image.data().iter().sum::<f32>() / image.data().len() as f32;
+    let (a, b) = (mean(&by_processor), mean(&by_card));
+    assert!(a > 1e-4 && (a / b - 1.0).abs() < 0.05, "{a} on the processor, {b} on the card");
+    let refused = processor.image(&gbuffer, radius, Repeats::ONCE).expect_err("nobody knows the scene");
+    assert!(refused.to_string().contains("`indirect_light`"), "{refused}");
+    let with = gbuffer.with(&[Attribute::IndirectLight], by_processor.data());
+    let of_layer = processor.image(&with, radius, Repeats::ONCE).expect("it has the layer").image;
+    assert!(difference(&by_processor, &of_layer) < 1e-5);
 }
 
 #[test]

@@ -251,5 +251,5 @@ fn disks(scene: &TracedScene, patches: &[Patch], cell: f32, view: &View, filled:
     let settings = surfel_settings(cell, scene.scene().bounds());
     let amounts = surfels::amounts(patches, &vertices, &settings, view);
     let disks = surfels::disks(patches, &vertices, &amounts, &settings);
-    surfels::lit(scene, disks, &view.camera, filled.lit())
+    surfels::lit(scene, disks, patches, &view.camera, filled.lit())
 }

@@ -41,10 +41,19 @@ pub fn permuted(number: u32, level: u32, key: u32) -> u32 {
     it ^ (it >> shift)
 }
 
+/// What the order of the sub-buffers' pixels in a block follows from.
+pub fn key(place: UVec2, level: u32, seed: u32) -> u32 {
+    let rest = hash(level.wrapping_add(hash(seed)));
+    hash(place.x.wrapping_add(hash(place.y.wrapping_add(rest))))
+}
+
 /// The pixel that has this place in a sub-buffer.
 pub fn pixel(sub_buffer: u32, place: UVec2, level: u32, seed: u32) -> UVec2 {
-    let rest = hash(level.wrapping_add(hash(seed)));
-    let key = hash(place.x.wrapping_add(hash(place.y.wrapping_add(rest))));
+    pixel_of(sub_buffer, place, level, key(place, level, seed))
+}
+
+/// The pixel that has this place, of a block with this key, in a sub-buffer.
+pub fn pixel_of(sub_buffer: u32, place: UVec2, level: u32, key: u32) -> UVec2 {
     let part = permuted(sub_buffer, level, key);
     (place << level) + UVec2::new(part & ((1 << level) - 1), part >> level)
 }
