@@ -250,9 +250,19 @@ fn metrics(path: &Path, effect: Effect) -> Result<Vec<(String, String)>> {
         let devices = details["devices"].as_object().into_iter().flatten();
         let devices = devices
             .filter_map(|(method, device)| Some((format!("device_{method}"), device.as_str()?.to_owned())));
-        Ok(devices.chain(figures.map(|(name, value)| (name.clone(), rounded(value)))).collect())
+        let worse =
+            worse_than_nothing(details).map(|scenes| ("worse than doing nothing in".to_owned(), scenes));
+        let figures = figures.map(|(name, value)| (name.clone(), rounded(value)));
+        Ok(worse.into_iter().chain(devices).chain(figures).collect())
     };
     read().with_context(|| path.display().to_string())
+}
+
+/// The scenes in which the network is worse than doing nothing; none where there is no such scene.
+fn worse_than_nothing(details: &Value) -> Option<String> {
+    let scenes: Vec<&str> =
+        details["scenes_below_trivial"].as_array()?.iter().filter_map(Value::as_str).collect();
+    (!scenes.is_empty()).then(|| scenes.join(", "))
 }
 
 fn rounded(value: &Value) -> String {
@@ -289,13 +299,15 @@ mod tests {
             let figures = json!({
                 "ssim_learned": 0.71234567, "ssim_aov": 0.5, "frames": 200.0, "ssim_ao": 0.7, "ssim_ao_aov": 0.5,
             });
-            let details = json!({ "network": "ao", "effect": effect, "devices": { "learned": "A card" } });
+            let details = json!({ "network": "ao", "effect": effect, "devices": { "learned": "A card" },
+                "scenes_below_trivial": ["cave:1", "a.glb (artists)"] });
             let text = json!({ "figures": figures, "details": details }).to_string();
             std::fs::write(&path, text).expect("written");
             metrics(&path, Effect::Ao)
         };
         let rows = written("ao").expect("reads");
         let expected = [
+            ("worse than doing nothing in", "cave:1, a.glb (artists)"),
             ("device_learned", "A card"),
             ("frames", "200"),
             ("ssim_aov", "0.5000"),

@@ -72,7 +72,8 @@ fn indirect_light_is_corrected_of_a_scene_or_of_a_layer_that_has_it() {
     let gbuffer = gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL);
     let radius = 0.2 * bounds.diagonal();
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 0 };
-    let estimate = deepshade_infer::AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
+    let estimate =
+        deepshade_infer::AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
     let mut model = random(NetSpec::corrected(Effect::Gi, 8, estimate, REACH).expect("it has one"));
     // It leaves the estimate as it is.
     let last = model.weights.0.last_mut().expect("a layer");
