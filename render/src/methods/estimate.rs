@@ -210,7 +210,7 @@ mod tests {
             |method, quality| with_estimates(&of(&gbuffer), [(method, quality)]).map_err(|e| e.to_string());
         assert!(refused("ssao", "low").is_err_and(|error| error.contains("`ssao`")));
         assert!(refused("gtao", "best").is_err_and(|error| error.contains("`best`")));
-        let blind = GBuffer::new(vec![Attribute::Valid], deepshade_shaders::Planes::filled(1, 2, 2, 1.0));
+        let blind = GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 2, 2, 1.0));
         let missing = with_estimates(&of(&blind), [("gtao", "low")]);
         assert!(matches!(missing, Err(EstimateError::Missing(_))));
         let unknown = refused("surfel", "low");
