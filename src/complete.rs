@@ -224,13 +224,13 @@ mod tests {
             let wants = wants(effect, &additions);
             let Completed { scene, camera, added } = complete(&scene, &camera, &wants).expect("completed");
             let scene = scene.scene();
-            let sky = matches!(effect, Effect::Do | Effect::Ibl);
+            let (sky, unlit) = (effect.lit_by() == LitBy::Environment, effect.lit_by() == LitBy::Nothing);
             assert_eq!(scene.environment.is_some(), sky, "{effect}");
-            assert_eq!(scene.lights.len(), usize::from(!sky && effect != Effect::Ao), "{effect}");
-            assert_eq!(scene.medium.is_some(), effect.name().starts_with("fog"), "{effect}");
-            let lens = matches!(effect, Effect::Dof | Effect::Multi);
+            assert_eq!(scene.lights.len(), usize::from(!sky && !unlit), "{effect}");
+            assert_eq!(scene.medium.is_some(), effect.needs("fog"), "{effect}");
+            let lens = effect.needs("lens");
             assert_eq!(camera.lens.map(|lens| lens.focus), lens.then_some(3.0), "{effect}");
-            assert_eq!(added.is_empty(), effect == Effect::Ao, "{effect}: {added:?}");
+            assert_eq!(added.is_empty(), unlit && !lens, "{effect}: {added:?}");
         }
     }
 

@@ -232,7 +232,7 @@ mod tests {
         let error = checked(&["hbao", "ssao"]).expect_err("no such method");
         assert_eq!(
             error,
-            "effect `ao` has no method `ssao`; there are learned, gtao, hbao, surfel, bounced-z, aov, aov-bounced-z, screen-truth, truth"
+            format!("effect `ao` has no method `ssao`; there are {}", names_of(Effect::Ao).join(", "))
         );
         assert!(checked(&["hbao", "hbao"]).expect_err("twice").contains("twice"));
         let error = checked(&["gtoa"]).expect_err("mistyped");

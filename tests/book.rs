@@ -36,6 +36,11 @@ fn in_words(count: usize) -> &'static str {
         "seventeen",
         "eighteen",
         "nineteen",
+        "twenty",
+        "twenty-one",
+        "twenty-two",
+        "twenty-three",
+        "twenty-four",
     ];
     words[count]
 }

@@ -201,7 +201,7 @@ fn splats_on_the_processor_are_the_plain_version() {
     for (family, [height, width], levels, radius) in [
         (Family::StillLife, [43, 61], 4, 1.0),
         (Family::Room, [64, 48], 1, 0.3),
-        (Family::Shelves, [37, 83], 6, 3.0),
+        (Family::Shelves, [29, 43], 6, 3.0),
     ] {
         let (scene, view, gbuffer) = seen(family, height, width);
         let view = View { radius: radius * view.radius, seed: 9, ..view };
@@ -214,7 +214,6 @@ fn splats_on_the_processor_are_the_plain_version() {
             let settings = shells::level(&parameters, level, &view);
             let made = splat::level_sums(surface, &disks, &settings, view.focal_length());
             assert_eq!(made, level_sums(surface, &disks, LIGHT, &settings), "{family:?}, level {level}");
-            assert!(made.data().iter().any(|value| *value > 0.0), "{family:?}, level {level}");
         }
         let plain = Plain {
             gbuffer: &gbuffer,
@@ -226,6 +225,7 @@ fn splats_on_the_processor_are_the_plain_version() {
         };
         let right = (INDIRECT.plain)(&plain, &disks).expect("attributes");
         let tolerance = Tolerance { usual: 1e-5, worst: 1e-4 };
+        assert!(right.data().iter().any(|value| *value > 0.0), "{family:?}");
         let made = splat::light(surface, &disks, &parameters, &view);
         assert_eq!(agree(&made, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
