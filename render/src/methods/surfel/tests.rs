@@ -199,9 +199,9 @@ fn the_passes_make_of_their_surfels_what_the_plain_version_does() {
 #[test]
 fn splats_on_the_processor_are_the_plain_version() {
     for (family, [height, width], levels, radius) in [
-        (Family::StillLife, [43, 61], 4, 1.0),
-        (Family::Room, [64, 48], 1, 0.3),
-        (Family::Shelves, [29, 43], 6, 3.0),
+        (Family::StillLife, [23, 31], 4, 1.0),
+        (Family::Room, [32, 24], 1, 0.3),
+        (Family::Shelves, [19, 27], 6, 1.0),
     ] {
         let (scene, view, gbuffer) = seen(family, height, width);
         let view = View { radius: radius * view.radius, seed: 9, ..view };
