@@ -40,7 +40,7 @@ pub mod views;
 pub use augment::{Symmetry, augment};
 pub use capture::{Capture, CaptureError};
 pub use contact_sheet::{contact_sheet, test_sheet};
-pub use deepshade_render::methods::estimate::{EstimateError, EstimateInputs, with_estimates};
+pub use deepshade_render::methods::estimate::{EstimateError, EstimateInputs, Estimator, with_estimates};
 pub use error::DatasetError;
 pub use generate::{Summary, generate, generate_by, generate_shard};
 pub use manifest::{Manifest, PairRecord};

@@ -3,7 +3,6 @@
 use super::{Args, notes};
 use anyhow::{Result, bail};
 use deepshade_dataset::{Dataset, Recipe};
-use deepshade_render::methods::estimate::Estimator;
 use deepshade_train::{TrainConfig, TrainingOutcome};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,13 +49,6 @@ impl TrainingSource {
         }
     }
 
-    /// The recipe with those estimates of the network that only a scene tells.
-    fn with_estimates(&self, config: &TrainConfig) -> Recipe {
-        let named = config.spec.estimates.iter().map(|of| format!("{}:{}", of.method, of.quality));
-        let of_scene = named.filter(|text| Estimator::parse(text).is_ok_and(|of| of.reads_scene()));
-        Recipe { estimates: of_scene.collect(), ..self.recipe.clone() }
-    }
-
     /// Trains on it, in the folder of a run.
     ///
     /// # Errors
@@ -64,7 +56,7 @@ impl TrainingSource {
     pub fn train(&self, config: &TrainConfig, run: &Path) -> Result<TrainingOutcome> {
         Ok(match &self.pairs {
             Some(pairs) => deepshade_train::train_on(config, Arc::clone(&pairs.dataset) as _, run)?,
-            None => deepshade_train::train_streamed(config, &self.with_estimates(config), run)?,
+            None => deepshade_train::train_streamed(config, &self.recipe, run)?,
         })
     }
 }

@@ -14,8 +14,8 @@ use burn::optim::ModuleOptimizer;
 use burn::tensor::{Bytes, Device};
 use deepshade_dataset::holder::Holder;
 use deepshade_dataset::progress::Gauge;
-use deepshade_dataset::{Dataset, DatasetError, Pair, Recipe, stream};
-use deepshade_infer::{Model, NetSpec, Trained, Weights};
+use deepshade_dataset::{Dataset, DatasetError, Estimator, Pair, Recipe, stream};
+use deepshade_infer::{AnalyticEstimate, Model, NetSpec, Trained, Weights};
 use deepshade_shaders::lists;
 use std::fs::File;
 use std::path::Path;
@@ -101,6 +101,7 @@ pub fn train_streamed(
     let endless = config.stream.unwrap_or(Endless::USUAL);
     let config = &TrainConfig { data_hash, stream: Some(endless), ..config.clone() };
     let metrics = claim(config, folder)?;
+    let recipe = &with_estimates(recipe, &config.spec);
     let failed = |error: DatasetError| TrainError::Data(error.to_string());
     let pairs = stream::validation(recipe, config.validation_pairs).map_err(failed)?;
     note_ranges(&pairs, folder)?;
@@ -114,6 +115,19 @@ pub fn train_streamed(
         Ok(Feed::Streamed(streamed))
     };
     TrainingLoop::open(config, folder, metrics, feed, validation)?.go()
+}
+
+/// A recipe whose pairs hold what methods that look beyond the screen estimate for a network, too.
+fn with_estimates(recipe: &Recipe, spec: &NetSpec) -> Recipe {
+    let mut recipe = recipe.clone();
+    for AnalyticEstimate { method, quality } in &spec.estimates {
+        let text = format!("{method}:{quality}");
+        let of_scene = Estimator::parse(&text).is_ok_and(|estimator| estimator.reads_scene());
+        if of_scene && !recipe.estimates.contains(&text) {
+            recipe.estimates.push(text);
+        }
+    }
+    recipe
 }
 
 /// Takes a run's folder, or checks that the run that lies there has the same settings.
