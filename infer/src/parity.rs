@@ -114,7 +114,10 @@ pub fn noise_for(spec: &NetSpec, [height, width]: [usize; 2], seed: u32) -> Plan
     if let Head::Correction(correction) = spec.head {
         let [least, most] = spec.effect.range();
         let spread = if most.is_finite() { (most - least) / (2.0 * 3f32.sqrt()) } else { 1.0 };
-        for channel in [correction.of, correction.over].map(|read| spec.channels_of(read)).concat() {
+        let mut channels = [correction.of, correction.over].map(|read| spec.channels_of(read)).concat();
+        channels.sort_unstable();
+        channels.dedup();
+        for channel in channels {
             let plane = &mut noise.data_mut()[channel * height * width..][..height * width];
             plane.iter_mut().for_each(|value| *value = least + spread * (*value + 3f32.sqrt()));
         }
@@ -171,7 +174,7 @@ impl Parity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ChannelOrder, Correction, Reach};
+    use crate::{AnalyticEstimate, ChannelOrder, Correction, Reach};
     use deepshade_shaders::{Attribute, Effect};
 
     fn spec() -> NetSpec {
@@ -228,6 +231,18 @@ mod tests {
         let dim = Planes::filled(1, 1, 3, 0.01);
         let near = Planes::filled(1, 1, 3, 0.0109);
         assert!(Comparison::within(&dim, &near, tolerance).agrees(), "of 1 at least");
+    }
+
+    #[test]
+    fn noise_for_light_that_is_its_own_pyramid_reaches_down_to_black() {
+        let estimate = AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
+        let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
+        let spec = NetSpec::corrected(Effect::Gi, 8, estimate, reach).expect("it has one");
+        let made = noise_for(&spec, [16, 24], 2);
+        for channel in spec.channels_of(Attribute::IndirectLight) {
+            let least = made.plane(channel).iter().copied().reduce(f32::min);
+            assert!(least >= Some(0.0) && least < Some(0.05), "{least:?}");
+        }
     }
 
     #[test]

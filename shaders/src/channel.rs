@@ -104,7 +104,8 @@ impl Attribute {
         Self::Valid,
     ];
 
-    /// What is made of a g-buffer for a network to read: no renderer gives it.
+    /// What is made for a network to read, of a g-buffer, or of a scene (`IndirectLight`): renderers need not
+    /// give it.
     pub const MADE: [Self; 6] = [
         Self::Openness,
         Self::RawOpenness,

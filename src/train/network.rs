@@ -1,10 +1,10 @@
 //! Which network `deepshade train` trains, and its defaults.
 
 use super::{Args, share};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use deepshade_dataset::{Radius, Recipe};
-use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, Head, NetSpec, Reach};
 use deepshade_render::methods::estimate::Estimator;
 use deepshade_shaders::Effect;
 use deepshade_train::{Loss, TrainConfig};
@@ -39,12 +39,15 @@ pub enum Network {
 }
 
 impl Network {
-    /// The one that is nearer to truth.
-    pub fn best(effect: Effect) -> Self {
+    /// The default: one that corrects what is estimated of the g-buffer alone, else the paper's. What only a
+    /// scene tells has to be in the pairs, so it has to be asked for.
+    pub fn usual(effect: Effect) -> Self {
         let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
+        let AnalyticEstimate { method, quality } = usual_estimate(effect);
+        let of_scene = Estimator::named(&method, &quality).is_ok_and(|estimator| estimator.reads_scene());
         match NetSpec::corrected(effect, CHANNELS, usual_estimate(effect), reach) {
-            Some(_) => Self::Corrected,
-            None => Self::Paper,
+            Some(_) if !of_scene => Self::Corrected,
+            _ => Self::Paper,
         }
     }
 }
@@ -84,11 +87,12 @@ pub fn diagonal_share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> 
     }
 }
 
-/// The defaults for data that a recipe makes, and the network that is nearest to truth.
+/// The defaults for data that a recipe makes, and its [usual](Network::usual) network.
 pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
     let estimate = usual_estimate(recipe.effect);
-    match (NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE)), recipe.radius) {
+    let corrected = NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE));
+    match (corrected.filter(|_| Network::usual(recipe.effect) == Network::Corrected), recipe.radius) {
         (Some(spec), _) => Ok(correcting(spec, data)),
         (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
         (None, _) => {
@@ -104,8 +108,12 @@ pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<Tra
     let reach =
         Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
     let estimate = args.estimate.clone().unwrap_or_else(|| usual_estimate(effect));
+    let makes = Estimator::named(&estimate.method, &estimate.quality)?.makes();
+    let named = format!("--estimate {}:{}", estimate.method, estimate.quality);
     let spec = NetSpec::corrected(effect, args.channels, estimate, reach)
         .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
+    let fits = matches!(spec.head, Head::Correction(correction) if makes.contains(&correction.of));
+    ensure!(fits, "{named} does not estimate `{effect}`");
     Ok(correcting(spec, data))
 }
 

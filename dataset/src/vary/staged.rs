@@ -78,9 +78,9 @@ impl<'a> StagedScene<'a> {
         }
     }
 
-    /// What is known of an image's surfaces, with [`Recipe::seen_attributes`]: what is seen, or what the recipe's
-    /// sensor measures of that, by the image's seed. In a timeline direct light is that of lamps that shine
-    /// at the image's moment.
+    /// What is known of an image's surfaces, with [`Recipe::seen_attributes`]: what is seen, or what the
+    /// recipe's sensor measures of that, by the image's seed. In a timeline direct light is that of lamps
+    /// that shine at the image's moment.
     pub fn gbuffer(&self, shown: &TracedScene, camera: &Camera, seed: u32) -> GBuffer {
         let [height, width] = self.size(seed);
         let lit = self.timeline().map(|_| timeline::shining(shown));

@@ -49,7 +49,7 @@ pub enum EstimateError {
     /// Only a scene tells it.
     #[error(
         "the network reads `{layer}`, which `{method}` makes of a scene: of a g-buffer alone it cannot be made. \
-         Give a g-buffer that has the layer, or compare on a scene"
+         Give a g-buffer that has the layer, compare on a scene, or state `estimates` in the recipe"
     )]
     Scene {
         /// The layer.

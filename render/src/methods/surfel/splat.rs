@@ -1,6 +1,6 @@
-//! Indirect light by surfels on the processor, as the paper has it: each disk is splatted to those pixels of its
-//! sub-buffer that its shell may reach, some sixty on every level. Sums are added up in the order of disks,
-//! as [`reference`](mod@super::reference) adds them, so that both are the same to the last bit.
+//! Indirect light by surfels on the processor, as the paper has it: each disk is splatted to those pixels of
+//! its sub-buffer that its shell may reach, some sixty on every level. Sums are added up in the order of
+//! disks, as [`reference`](mod@super::reference) adds them, so that both are the same to the last bit.
 
 use super::reference::{LIGHT, Receiver, done, plus};
 use super::{SurfelParameters, shells};
