@@ -238,7 +238,7 @@ mod tests {
         let estimate = AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
         let spec = NetSpec::corrected(Effect::Gi, 8, estimate, reach).expect("it has one");
-        let made = noise_for(&spec, [16, 24], 2);
+        let made = noise_for(&spec, [64, 48], 2);
         for channel in spec.channels_of(Attribute::IndirectLight) {
             let least = made.plane(channel).iter().copied().reduce(f32::min);
             assert!(least >= Some(0.0) && least < Some(0.05), "{least:?}");
