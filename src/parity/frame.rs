@@ -8,6 +8,7 @@ use deepshade_dataset::views::sample_view;
 use deepshade_infer::NetSpec;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
+use deepshade_render::methods::estimate::{EstimateInputs, with_estimates};
 use deepshade_render::scene::procedural::Family;
 use deepshade_shaders::{Attribute, Planes};
 
@@ -36,7 +37,12 @@ pub fn input(spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
     if !attributes.contains(&Attribute::Valid) {
         attributes.push(Attribute::Valid);
     }
+    // What methods make is made of the scene here: rendered it would be black.
+    attributes.retain(|attribute| !Attribute::MADE.contains(attribute));
     let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], &attributes);
     let radius = radius::wanted(None, Some(spec.reach), &[], Space::seen(&scene, &camera, size));
-    Ok(Learned::input(spec, &gbuffer, radius)?)
+    let inputs = EstimateInputs { gbuffer: &gbuffer, radius, seed: SEED, scene: Some((&scene, &camera)) };
+    let methods = spec.estimates.iter().map(|of| (&of.method[..], &of.quality[..]));
+    let gbuffer = &with_estimates(&inputs, methods)?;
+    Ok(Learned::input(spec, gbuffer, radius)?)
 }

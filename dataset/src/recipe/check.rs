@@ -106,13 +106,17 @@ impl Recipe {
     }
 
     fn check_estimates(&self) -> Result<(), String> {
-        for text in &self.estimates {
+        for (index, text) in self.estimates.iter().enumerate() {
             let estimator = Estimator::parse(text).map_err(|error| format!("`estimates`: {error}"))?;
             if !estimator.reads_scene() {
                 let method = estimator.method();
                 return Err(format!(
                     "`estimates`: `{method}` needs no scene; pairs get it when they are read"
                 ));
+            }
+            let earlier = self.estimates[..index].iter().filter_map(|text| Estimator::parse(text).ok());
+            if earlier.flat_map(|other| other.makes()).any(|made| estimator.makes().contains(made)) {
+                return Err(format!("`estimates`: `{text}` makes what one before it makes"));
             }
         }
         Ok(())

@@ -66,7 +66,7 @@ impl InputPasses {
         Ok(Self { device: device.clone(), spec: spec.clone(), squares, parts })
     }
 
-    /// The attributes whose buffers it reads, `valid` among them. `openness` and `raw_openness` are to be
+    /// The attributes whose buffers it reads, `valid` among them. Estimates, such as `openness`, are to be
     /// there like any other, made by the methods that [`NetSpec::estimates`] names.
     pub fn reads(&self) -> Vec<Attribute> {
         let mut reads = vec![Attribute::Valid];

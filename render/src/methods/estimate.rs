@@ -48,8 +48,8 @@ pub enum EstimateError {
     Missing(#[from] MissingAttribute),
     /// Only a scene tells it.
     #[error(
-        "the network reads `{layer}`, which `{method}` makes of a scene: of a g-buffer alone it cannot be made. \
-         Give a g-buffer that has the layer, compare on a scene, or state `estimates` in the recipe"
+        "the network reads `{layer}`, which `{method}` makes of a scene: of a g-buffer alone it cannot be \
+         made. Give a g-buffer that has the layer, compare on a scene, or state `estimates` in the recipe"
     )]
     Scene {
         /// The layer.

@@ -196,8 +196,7 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 
 /// The surfels of a scene that stays, for a view.
 pub fn surfels(scene: &Scene, parameters: &SurfelDensity, view: &View) -> Vec<Disk> {
-    let (patches, amounts) = patches_in_reach(scene, parameters, view);
-    disks(&patches, &vertices(scene.meshes.iter(), &view.camera), &amounts, &parameters.settings(view))
+    patches_and_disks(scene, parameters, view).1
 }
 
 /// The surfels of a scene that stays, for a view, with the light that they send, if any.
@@ -207,24 +206,23 @@ pub fn laid(
     view: &View,
     light: Option<SurfelLight>,
 ) -> Vec<Disk> {
-    let (patches, amounts) = patches_in_reach(scene.scene(), parameters, view);
-    let vertices = vertices(scene.scene().meshes.iter(), &view.camera);
-    let disks = disks(&patches, &vertices, &amounts, &parameters.settings(view));
+    let (patches, disks) = patches_and_disks(scene.scene(), parameters, view);
     match light {
         Some(light) => lit(scene, disks, &patches, &view.camera, light),
         None => disks,
     }
 }
 
-/// The patches of a scene, and how many surfels each gets; those without one are not painted.
-fn patches_in_reach(scene: &Scene, parameters: &SurfelDensity, view: &View) -> (Vec<Patch>, Vec<f32>) {
-    let vertices = vertices(scene.meshes.iter(), &view.camera);
+/// The patches of a scene, of which those without a surfel are not painted, and their surfels.
+fn patches_and_disks(scene: &Scene, parameters: &SurfelDensity, view: &View) -> (Vec<Patch>, Vec<Disk>) {
+    let (vertices, settings) = (vertices(scene.meshes.iter(), &view.camera), parameters.settings(view));
     let mut all = Vec::new();
     let patches = patches::painted_where(scene, |patches| {
-        all = amounts(patches, &vertices, &parameters.settings(view), view);
+        all = amounts(patches, &vertices, &settings, view);
         all.iter().map(|amount| *amount > 0.0).collect()
     });
-    (patches, all)
+    let disks = disks(&patches, &vertices, &all, &settings);
+    (patches, disks)
 }
 
 /// Radiance that each of a scene's patches gives back of what it kept at its middle.
