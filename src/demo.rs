@@ -218,7 +218,7 @@ mod short_training {
         note!("   {} steps, {:.1} images a second", outcome.progress.step, outcome.images_per_second);
 
         note!("4. export, and the exported network in WGSL and on the CPU against the reference");
-        let facts = crate::export::facts(dataset.manifest(), Vec::new());
+        let facts = crate::export::facts(&config.spec, dataset.manifest(), Vec::new());
         let model: Model = deepshade_train::export(&run, &model, &facts)?;
         check(&dataset, gpu, &model, figures)
     }

@@ -3,14 +3,15 @@
 use crate::complete::sky;
 use crate::eval::names::of_network;
 use crate::figures::{Figures, write_atomically};
+use crate::learned::estimator;
 use crate::location::Location;
 use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::recipe::FieldOfView;
 use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Radius, Recipe, stream};
-use deepshade_infer::Model;
 use deepshade_infer::forward::{Precision, wgsl_files};
+use deepshade_infer::{AnalyticEstimate, Model, NetSpec};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
 use deepshade_train::TrainConfig;
@@ -120,7 +121,7 @@ fn exported(args: &Args, run: &Path, out: &Path) -> Result<Model> {
         dataset.display(),
         run.display()
     );
-    let facts = facts(&manifest, wanted_metrics(args, manifest.origin.recipe.effect)?);
+    let facts = facts(&config.spec, &manifest, wanted_metrics(args, manifest.origin.recipe.effect)?);
     Ok(export(run, out, &facts)?)
 }
 
@@ -136,7 +137,7 @@ fn exported_of_stream(args: &Args, config: &TrainConfig, run: &Path, out: &Path)
     );
     let file = config.dataset.file_name().unwrap_or_default().to_string_lossy();
     let frames = "views rendered while it trained".to_owned();
-    let facts = facts_of(&recipe, &file, &frames, wanted_metrics(args, recipe.effect)?);
+    let facts = facts_of(&config.spec, &recipe, &file, &frames, wanted_metrics(args, recipe.effect)?);
     Ok(export(run, out, &facts)?)
 }
 
@@ -147,14 +148,20 @@ fn wanted_metrics(args: &Args, effect: Effect) -> Result<Vec<(String, String)>> 
 }
 
 /// What the card says about the data, and about what the network cannot do.
-pub fn facts(manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
+pub fn facts(spec: &NetSpec, manifest: &Manifest, metrics: Vec<(String, String)>) -> Facts {
     let recipe = &manifest.origin.recipe;
     let frames = format!("{} frames of {} scenes", manifest.pairs.len(), recipe.scene_count());
-    facts_of(recipe, &manifest.origin.recipe_file, &frames, metrics)
+    facts_of(spec, recipe, &manifest.origin.recipe_file, &frames, metrics)
 }
 
 /// The same, of a recipe in a file and of what was made of it.
-fn facts_of(recipe: &Recipe, file: &str, frames: &str, metrics: Vec<(String, String)>) -> Facts {
+fn facts_of(
+    spec: &NetSpec,
+    recipe: &Recipe,
+    file: &str,
+    frames: &str,
+    metrics: Vec<(String, String)>,
+) -> Facts {
     let (height, width) = (recipe.resolution.height, recipe.resolution.width);
     let target = match &recipe.target {
         Some(method) => format!("images of `{method}`"),
@@ -171,7 +178,7 @@ fn facts_of(recipe: &Recipe, file: &str, frames: &str, metrics: Vec<(String, Str
             scenes(recipe)
         ),
         metrics,
-        limits: limits(recipe),
+        limits: limits(spec, recipe),
         licence: LICENCE.to_owned(),
         environment: sky::of_recipe(recipe),
     }
@@ -196,11 +203,23 @@ fn scenes(recipe: &Recipe) -> String {
 
 /// What a network cannot do: what none can that sees one frame of a screen, and what the data keep from this
 /// one.
-fn limits(recipe: &Recipe) -> Vec<String> {
+fn limits(spec: &NetSpec, recipe: &Recipe) -> Vec<String> {
     let field_of_view = recipe.field_of_view.unwrap_or(FieldOfView::Fixed(FIELD_OF_VIEW));
+    let of_scene = |estimate: &&AnalyticEstimate| {
+        estimator(spec, estimate).is_ok_and(|estimator| estimator.reads_scene())
+    };
     let mut limits = vec![
-        "It sees what the camera sees: what lies outside the image or behind other surfaces does nothing."
-            .to_owned(),
+        match spec.estimates.iter().find(of_scene) {
+            Some(AnalyticEstimate { method, .. }) => format!(
+                "It sees what the camera sees; of what lies outside the image or behind other surfaces it knows \
+                 what `{method}` tells."
+            ),
+            None => {
+                "It sees what the camera sees: what lies outside the image or behind other surfaces does \
+                     nothing."
+                    .to_owned()
+            }
+        },
         format!(
             "It was trained on perspective views with a vertical field of view of {field_of_view} degrees."
         ),
@@ -209,7 +228,7 @@ fn limits(recipe: &Recipe) -> Vec<String> {
     // A network that was shown all radii is as good at any of them.
     let one_radius = matches!(recipe.radius, Radius::Diagonal(_) | Radius::Metres(_));
     limits.extend(match recipe.effect {
-        Effect::Ao if !one_radius => None,
+        Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi if !one_radius => None,
         Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi => {
             Some("Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained one.")
         }
@@ -225,14 +244,19 @@ fn limits(recipe: &Recipe) -> Vec<String> {
         limits.push(format!("It imitates `{target}`, a screen-space method, and its mistakes, not truth."));
     }
     let environment = recipe.vary.as_ref().and_then(|vary| vary.environment.as_ref());
-    limits.extend(environment.map(|environment| {
-        let which = match environment {
-            Surroundings::Sky(seed) => format!("the clear sky of seed {seed}"),
-            Surroundings::File(path) => path.display().to_string(),
-        };
-        format!("It knows one environment by heart, {which}; under any other it is wrong.")
-    }));
+    limits.extend(environment.map(limit_of_environment));
     limits
+}
+
+/// What a network does not know of environments.
+fn limit_of_environment(environment: &Surroundings) -> String {
+    let by_heart =
+        |which| format!("It knows one environment by heart, {which}; under any other it is wrong.");
+    match environment {
+        Surroundings::Sky(seed) => by_heart(format!("the clear sky of seed {seed}")),
+        Surroundings::File(path) => by_heart(path.display().to_string()),
+        Surroundings::Skies(_) => "It was trained under clear skies alone.".to_owned(),
+    }
 }
 
 /// Figures that `eval` wrote about a network of an effect as the card's table, but for those that are there a

@@ -16,13 +16,14 @@ use deepshade_infer::forward::ForwardError;
 use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_render::methods::estimate::{EstimateInputs, Estimator};
-use deepshade_render::screen::{GpuGBuffer, View};
+use deepshade_render::methods::estimate::EstimateInputs;
+use deepshade_render::screen::{GpuGBuffer, ScreenMethod, View};
 #[cfg(feature = "train")]
 use deepshade_shaders::Planes;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
-use estimates::{Estimates, SEED};
+use estimates::Estimates;
+pub use estimates::{SEED, estimator};
 use std::path::{Path, PathBuf};
 
 pub use recorded::Recorded;
@@ -128,7 +129,7 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
         add(&Attribute::Position);
     }
     for estimate in &spec.estimates {
-        let estimator = Estimator::named(&estimate.method, &estimate.quality)?;
+        let estimator = estimator(spec, estimate)?;
         // Of a file nobody knows the scene: it has to have what that alone tells.
         let of_file = if estimator.reads_scene() { estimator.makes() } else { estimator.reads() };
         of_file.iter().for_each(&mut add);
@@ -202,6 +203,15 @@ impl Learned {
     /// The network's spec.
     pub const fn spec(&self) -> &NetSpec {
         self.engine.spec()
+    }
+
+    /// The methods that look at the scene itself and estimate what the network reads, with the layer that
+    /// each makes.
+    ///
+    /// # Errors
+    /// If there is no such method or quality.
+    pub fn estimates_of_scene(&self, gpu: &Gpu) -> Result<Vec<(Attribute, ScreenMethod)>, MethodError> {
+        estimates::of_scene(gpu, self.spec())
     }
 
     /// What the network makes of a g-buffer, for an effect that reaches so many metres. The time is that of

@@ -6,6 +6,7 @@
 pub mod animated_view;
 #[cfg(any(feature = "view", target_arch = "wasm32"))]
 pub mod camera_controller;
+mod scene_estimate;
 
 use crate::learned::{self, Learned, Recorded};
 use crate::methods::LEARNED;
@@ -23,6 +24,7 @@ use deepshade_render::screen::reprojection::{Reprojection, ReprojectionParameter
 use deepshade_render::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use scene_estimate::SceneEstimate;
 use std::sync::Arc;
 use web_time::Instant;
 
@@ -53,6 +55,8 @@ pub struct Live {
     frame: Frame,
     since: Since,
     shading: Vec<Shading>,
+    /// What the network reads of the scene beyond the screen.
+    estimates: Vec<SceneEstimate>,
     clock: Option<PassClock>,
     view: View,
     shutter: f32,
@@ -104,17 +108,20 @@ impl Live {
                 MethodPasses::new(&method, &inputs, &view).with_context(|| format!("method `{name}`"))?;
             running.push(Running::Passes(Box::new(method), Box::new(passes)));
         }
+        let learned = wanted.learned.as_ref();
+        let estimates = learned.map(|learned| SceneEstimate::all(gpu, learned, &inputs, &view));
+        let estimates = estimates.transpose()?.unwrap_or_default();
         running.extend(wanted.learned.map(|learned| Running::Network(Box::new(learned), None)));
         let since = Since::new(&gpu.device, &frame)?;
         let shade = |method| Shading::new(gpu, wanted.size, method, wanted.temporal.then_some(&since));
         let mut shading: Vec<Shading> = running.into_iter().map(shade).collect::<Result<_, GpuError>>()?;
         shading.iter_mut().try_for_each(|shading| shading.record(frame.gbuffer(), &view))?;
-        let mut live =
-            Self { gpu: gpu.clone(), frame, since, shading, clock: None, view, shutter: wanted.shutter };
+        let (gpu, shutter) = (gpu.clone(), wanted.shutter);
+        let mut live = Self { gpu, frame, since, shading, estimates, clock: None, view, shutter };
         let of_network = live.shading.iter().filter(|shading| !shading.is_recorded());
         let of_network: usize = of_network.map(|shading| 1 + usize::from(shading.temporal.is_some())).sum();
         let recorded = live.passes().len() - of_network;
-        live.clock = PassClock::new(&gpu.device, &gpu.queue, recorded)?;
+        live.clock = PassClock::new(&live.gpu.device, &live.gpu.queue, recorded)?;
         Ok(live)
     }
 
@@ -202,12 +209,17 @@ impl Live {
             return Ok(Vec::new());
         };
         let Running::Network(learned, None) = &self.shading[index].method else { return Ok(Vec::new()) };
-        let gbuffer = self.gbuffer_async(learned.spec().effect.attributes()).await?;
+        let mut gbuffer = self.gbuffer_async(learned.spec().effect.attributes()).await?;
+        let mut of_estimates = 0.0;
+        for estimate in &self.estimates {
+            let (with, milliseconds) = estimate.with(&self.gpu, &self.view, &gbuffer).await?;
+            (gbuffer, of_estimates) = (with, of_estimates + milliseconds);
+        }
         let shaded = learned.image_async(&gbuffer, self.view.radius, Repeats::ONCE).await?;
         let queue = &self.gpu.queue;
         let shading = &mut self.shading[index];
         queue.write_buffer(&shading.output, 0, bytemuck::cast_slice(shaded.image.data()));
-        let mut times = vec![shaded.milliseconds];
+        let mut times = vec![shaded.milliseconds + of_estimates];
         if let Some(temporal) = &mut shading.temporal {
             times.push(waited_for(&self.gpu, &mut |encoder| temporal.encode(queue, encoder, None)).await?);
         }

@@ -140,7 +140,7 @@ pub fn open_screen(effect: Effect, name: &str, gpu: &Gpu, tuning: impl Into<Tuni
 
 /// Names of an effect's methods that shade the screen in passes.
 pub fn screen_names(effect: Effect) -> Vec<&'static str> {
-    of_effect(effect).filter(|entry| entry.is_on_screen).map(|entry| entry.name).collect()
+    of_effect(effect).filter(|entry| entry.is_on_screen()).map(|entry| entry.name).collect()
 }
 
 /// Names of an effect's methods that have qualities: all but trained networks.

@@ -45,14 +45,14 @@ pub struct Args {
     /// How often a view of --recipe is used, on average.
     #[arg(long, default_value_t = Endless::USUAL.uses, requires = "recipe")]
     uses: usize,
-    /// The network [default: corrected where a method estimates the effect of a g-buffer alone, else paper].
+    /// The network [default: corrected where there is one and the data have what it reads, else paper].
     #[arg(long, value_enum)]
     network: Option<Network>,
     /// Channels of the corrected network at half the resolution.
     #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY [default: gtao:high for ao, surfel:low
-    /// for gi].
+    /// for gi, ssdo:low for do].
     #[arg(long, value_parser = estimate)]
     estimate: Option<AnalyticEstimate>,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.
@@ -263,7 +263,7 @@ pub fn minutes(text: &str) -> Result<f64, String> {
 
 /// The defaults with what the command line changes, for data that a recipe makes.
 fn config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
-    let network = args.network.unwrap_or_else(|| Network::usual(recipe.effect));
+    let network = args.network.unwrap_or_else(|| Network::usual(recipe, args.recipe.is_some()));
     // Before the run's folder is claimed: what is refused leaves no folder that remembers it.
     let resolution = recipe.smallest.unwrap_or(recipe.resolution);
     let Resolution { height, width } = resolution;

@@ -98,7 +98,7 @@ fn networks_that_know_one_environment_state_that_of_their_recipe() {
         );
         let sky = environment.and_then(|environment| match environment {
             Surroundings::Sky(number) => Some(TrainedUnder::Sky(number)),
-            Surroundings::File(_) => None,
+            Surroundings::File(_) | Surroundings::Skies(_) => None,
         });
         let spec = Model::load(&folder).expect("a model").spec;
         assert_eq!(spec.environment, sky, "{name}");

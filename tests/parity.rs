@@ -5,8 +5,8 @@
 #![cfg(feature = "train")]
 
 use deepshade_infer::{
-    AnalyticEstimate, ChannelOrder, Colour, Filter, Head, Model, NetSpec, Parity, Reach, Weights, parity,
-    reference,
+    AnalyticEstimate, ChannelOrder, Colour, Correction, Filter, Head, Model, NetSpec, Parity, Reach, Weights,
+    parity, reference,
 };
 use deepshade_shaders::Effect;
 use serde_json::Value;
@@ -62,9 +62,17 @@ fn networks_with_other_heads_than_the_image_agree() {
     let multi = NetSpec::published(Effect::Multi, ChannelOrder::Interleaved, reach).expect("it has one");
     let [of_light, of_black] =
         [published, multi].map(|spec| spec.predicting_kernels().expect("it reads light"));
-    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
-    let corrected = NetSpec::corrected(Effect::Ao, 8, estimate, reach).expect("gtao estimates it");
-    for spec in [of_light, of_black, of_pixels, corrected] {
+    let gtao = || AnalyticEstimate::new("gtao", "low");
+    let corrected = NetSpec::corrected(Effect::Ao, 8, vec![gtao()], reach).expect("gtao estimates it");
+    let surfel = AnalyticEstimate::new("surfel", "low");
+    let gained = NetSpec::corrected(Effect::Gi, 8, vec![surfel, gtao().of(Effect::Ao)], reach)
+        .expect("surfels estimate it");
+    let bias_alone = match gained.head {
+        Head::Correction(correction) => Head::Correction(Correction { levels: 0, ..correction }),
+        other => other,
+    };
+    let without_taps = gained.clone().with_head(bias_alone);
+    for spec in [of_light, of_black, of_pixels, corrected, gained, without_taps] {
         let folder = tempfile::tempdir().expect("a folder");
         let model = Model { weights: Weights::random(&spec, 5), spec };
         write(&model, folder.path());

@@ -281,7 +281,7 @@ impl Recipe {
 
     /// The methods that look beyond the screen and estimate what a network reads.
     pub(crate) fn estimators(&self) -> impl Iterator<Item = Estimator> {
-        self.estimates.iter().filter_map(|text| Estimator::parse(text).ok())
+        self.estimates.iter().filter_map(|text| Estimator::parse(self.effect, text).ok())
     }
 
     /// What of a scene is seen in its pairs: the attributes of its effect, and in a timeline how things move.

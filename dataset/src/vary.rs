@@ -43,7 +43,7 @@ pub struct Vary {
     /// those from which it lights at least a tenth of what is seen. A scene in which nothing shines that the
     /// effect shows gets one in any case.
     pub light: bool,
-    /// One environment for all images: networks learn it by heart (thesis 7.4).
+    /// One environment for all images, which networks learn by heart (thesis 7.4), or one for each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<Surroundings>,
     /// A lens that focuses the depth of a random pixel; the range is that of the radius, in pixels, of the
@@ -90,6 +90,8 @@ pub enum Textures {
 pub enum Surroundings {
     /// A clear sky with a sun over plain ground, from a seed.
     Sky(u32),
+    /// One of so many such skies for every image.
+    Skies(usize),
     /// An HDR or EXR file, relative to where the recipe's `files` are.
     File(PathBuf),
 }

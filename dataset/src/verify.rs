@@ -182,7 +182,7 @@ fn possible(attribute: Attribute, component: usize, value: f32) -> bool {
         | Attribute::Light
         | Attribute::DiffuseLight
         | Attribute::ObjectId
-        | Attribute::IndirectLight
+        | Attribute::Estimate
         | Attribute::Emission => value >= 0.0,
         Attribute::Motion => value >= 0.0 && (component == 1 || value <= LARGEST_DIRECTION),
         Attribute::FocalDistance | Attribute::Blurriness => value.is_finite(),

@@ -66,7 +66,7 @@ impl NetSpec {
     }
 
     /// How bright light is to the network. Light of one bounce is some six times fainter than that which it
-    /// comes from (the median of the training frames of `gi.toml`), and weights that make so faint an image
+    /// comes from (the median of the training frames of `gi-paper.toml`), and weights that make so faint an image
     /// are harder to learn, as an optimiser's steps are alike for all.
     pub fn brightness(&self) -> f32 {
         if self.effect == Effect::Gi { 8.0 } else { 1.0 }
@@ -163,7 +163,7 @@ const MEAN_FREE_PATHS: i32 = 5;
 /// The unit of an attribute's numbers, but for a movement's direction.
 const fn unit(attribute: Attribute) -> Unit {
     use Attribute::{
-        Blurriness, CircleOfConfusion, Depth, DiffuseLight, Emission, FocalDistance, IndirectLight, Light,
+        Blurriness, CircleOfConfusion, Depth, DiffuseLight, Emission, Estimate, FocalDistance, Light,
         MeanFreePath, Motion, Position,
     };
     let (scale, exponent) = match attribute {
@@ -172,7 +172,7 @@ const fn unit(attribute: Attribute) -> Unit {
         // Metres times pixels; over depth it is pixels again.
         Blurriness => (Scale::Length, PIXELS),
         CircleOfConfusion | Motion => (Scale::One, PIXELS),
-        Light | DiffuseLight | IndirectLight | Emission => (Scale::Light, 0),
+        Light | DiffuseLight | Estimate | Emission => (Scale::Light, 0),
         _ => (Scale::One, 0),
     };
     Unit { scale, exponent }

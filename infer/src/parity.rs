@@ -235,11 +235,12 @@ mod tests {
 
     #[test]
     fn noise_for_light_that_is_its_own_pyramid_reaches_down_to_black() {
-        let estimate = AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
+        let openness = AnalyticEstimate::new("gtao", "low").of(Effect::Ao);
+        let estimates = [AnalyticEstimate::new("surfel", "low"), openness];
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
-        let spec = NetSpec::corrected(Effect::Gi, 8, estimate, reach).expect("it has one");
+        let spec = NetSpec::corrected(Effect::Gi, 8, estimates.to_vec(), reach).expect("it has one");
         let made = noise_for(&spec, [64, 48], 2);
-        for channel in spec.channels_of(Attribute::IndirectLight) {
+        for channel in spec.channels_of(Attribute::Estimate) {
             let least = made.plane(channel).iter().copied().reduce(f32::min);
             assert!(least >= Some(0.0) && least < Some(0.05), "{least:?}");
         }

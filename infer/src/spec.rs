@@ -77,6 +77,9 @@ pub struct AnalyticEstimate {
     pub method: String,
     /// Its quality: `low`, `medium`, `high` or `ultra`.
     pub quality: String,
+    /// The effect that it is a method of, where that is not the network's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effect: Option<Effect>,
 }
 
 /// A spec that no network can have.
@@ -132,27 +135,45 @@ pub enum SpecError {
     },
 }
 
+impl AnalyticEstimate {
+    /// That of a method of the network's effect at a quality.
+    pub fn new(method: &str, quality: &str) -> Self {
+        Self { method: method.to_owned(), quality: quality.to_owned(), effect: None }
+    }
+
+    /// The effect that it is a method of, for a network that computes this one.
+    pub fn effect(&self, network: Effect) -> Effect {
+        self.effect.unwrap_or(network)
+    }
+
+    /// The same of another effect's method of that name.
+    #[must_use]
+    pub fn of(self, effect: Effect) -> Self {
+        Self { effect: Some(effect), ..self }
+    }
+}
+
 impl NetSpec {
     /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many
-    /// channels at half the resolution; none where no method does.
+    /// channels at half the resolution; none where no method does. Those of light read openness beside the
+    /// light that they correct: surfels of `gi` hide nothing, and the few directions of `do` miss much.
     pub fn corrected(
         effect: Effect,
         channels: usize,
-        estimate: AnalyticEstimate,
+        estimates: Vec<AnalyticEstimate>,
         reach: Reach,
     ) -> Option<Self> {
-        use Attribute::{
-            Border, DiffuseLight, IndirectLight, Normal, Openness, PixelRadius, RawOpenness, Relief,
-        };
+        use Attribute::{Border, DiffuseLight, Estimate, Normal, Openness, PixelRadius, RawOpenness, Relief};
         let local = [Normal, Relief, PixelRadius, Border];
-        let (made, of, over) = match effect {
-            Effect::Ao => ([Openness, RawOpenness], Openness, RawOpenness),
-            Effect::Gi => ([DiffuseLight, IndirectLight], IndirectLight, IndirectLight),
+        let (made, of, over): (&[Attribute], _, _) = match effect {
+            Effect::Ao => (&[Openness, RawOpenness], Openness, RawOpenness),
+            Effect::Gi => (&[DiffuseLight, Estimate, Openness], Estimate, Estimate),
+            Effect::Do => (&[Estimate, Openness], Estimate, Estimate),
             _ => return None,
         };
-        let inputs = [&local[..], &made].concat();
-        let correction = Correction { of, over, levels: 2, kernel: 3, gain: effect == Effect::Gi };
-        Some(Self::correcting(effect, inputs, vec![estimate], correction, channels, reach))
+        let inputs = [&local[..], made].concat();
+        let correction = Correction { of, over, levels: 2, kernel: 3, gain: effect != Effect::Ao };
+        Some(Self::correcting(effect, inputs, estimates, correction, channels, reach))
     }
 
     /// A network of the form of [`trunk`], with so many channels at half the resolution, that corrects an

@@ -18,8 +18,8 @@ fn gpu() -> Gpu {
 
 /// The network that corrects an estimate of ambient occlusion.
 fn corrected() -> NetSpec {
-    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
-    NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one")
+    let estimate = AnalyticEstimate::new("gtao", "low");
+    NetSpec::corrected(Effect::Ao, 8, vec![estimate], REACH).expect("it has one")
 }
 
 fn published(effect: Effect) -> NetSpec {

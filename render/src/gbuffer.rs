@@ -97,7 +97,7 @@ impl PixelHit<'_> {
             // Nothing that a scene has.
             Attribute::Openness
             | Attribute::RawOpenness
-            | Attribute::IndirectLight
+            | Attribute::Estimate
             | Attribute::Relief
             | Attribute::PixelRadius
             | Attribute::Border => Vec3::ZERO,

@@ -116,8 +116,13 @@ pub struct ScreenMethod {
 impl ScreenMethod {
     /// A technique on a device; its passes are compiled where they are first bound.
     pub fn new(gpu: &Gpu, technique: impl Technique + 'static) -> Self {
+        Self::of(gpu, Arc::new(technique))
+    }
+
+    /// The same of a technique that others have, too.
+    pub fn of(gpu: &Gpu, technique: Arc<dyn Technique>) -> Self {
         let (gpu, device) = (Arc::new(gpu.clone()), Device::new(&gpu.device));
-        Self { gpu, device, technique: Arc::new(technique) }
+        Self { gpu, device, technique }
     }
 
     /// Another technique with the same passes, such as other parameters; what was compiled stays.

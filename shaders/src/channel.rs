@@ -70,8 +70,8 @@ pub enum Attribute {
     Openness,
     /// The same before the method's blur.
     RawOpenness,
-    /// Diffuse indirect light, irradiance over pi, as a cheap method estimates it.
-    IndirectLight,
+    /// The effect's image, of effects of light, as a cheap method makes it.
+    Estimate,
     /// Depth against its means over some pixels, over the effect's radius, compressed to (-1, 1). It follows
     /// from `Position` and the radius, as the next two do.
     Relief,
@@ -104,16 +104,9 @@ impl Attribute {
         Self::Valid,
     ];
 
-    /// What is made for a network to read, of a g-buffer, or of a scene (`IndirectLight`): renderers need not
-    /// give it.
-    pub const MADE: [Self; 6] = [
-        Self::Openness,
-        Self::RawOpenness,
-        Self::IndirectLight,
-        Self::Relief,
-        Self::PixelRadius,
-        Self::Border,
-    ];
+    /// What is made for a network to read; `Estimate` may take a scene. Renderers need not give it.
+    pub const MADE: [Self; 6] =
+        [Self::Openness, Self::RawOpenness, Self::Estimate, Self::Relief, Self::PixelRadius, Self::Border];
 
     /// The layer's name in an EXR file.
     pub const fn name(self) -> &'static str {
@@ -138,7 +131,7 @@ impl Attribute {
             Self::Valid => "valid",
             Self::Openness => "openness",
             Self::RawOpenness => "raw_openness",
-            Self::IndirectLight => "indirect_light",
+            Self::Estimate => "estimate",
             Self::Relief => "relief",
             Self::PixelRadius => "pixel_radius",
             Self::Border => "border",
@@ -156,7 +149,7 @@ impl Attribute {
             | Self::Light
             | Self::DiffuseLight
             | Self::Emission
-            | Self::IndirectLight => AttributeKind::Colour,
+            | Self::Estimate => AttributeKind::Colour,
             Self::Motion => AttributeKind::Motion,
             Self::Depth
             | Self::FocalDistance

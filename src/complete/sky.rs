@@ -9,10 +9,12 @@ use deepshade_render::scene::procedural::sky;
 use deepshade_render::scene::{Environment, Look};
 use std::sync::Arc;
 
-/// The environment of all images of a recipe; `None` without one, and where its file is not there any more.
+/// The environment of all images of a recipe; `None` without one, where there are many, and where its file is
+/// not there any more.
 pub fn of_recipe(recipe: &Recipe) -> Option<TrainedUnder> {
     Some(match recipe.vary.as_ref()?.environment.as_ref()? {
         Surroundings::Sky(number) => TrainedUnder::Sky(*number),
+        Surroundings::Skies(_) => return None,
         Surroundings::File(path) => TrainedUnder::File(file_digest(&recipe.folder.join(path)).ok()?),
     })
 }

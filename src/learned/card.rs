@@ -3,11 +3,9 @@
 use super::estimates::{estimator, no_estimate};
 use super::recorded::{EstimatePasses, NetworkRun, Recorded};
 use super::{LEARNED, failed};
-use crate::methods::open_screen;
 use deepshade_infer::forward::{FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource, Runner};
 use deepshade_infer::{NetSpec, Scaling};
-use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
-use deepshade_render::methods::Quality;
+use deepshade_render::method::{Clock, Frame, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::{EstimateInputs, Estimator};
 use deepshade_render::scene::Camera;
 use deepshade_render::screen::{GpuGBuffer, ScreenMethod, View};
@@ -33,13 +31,13 @@ impl Card {
     /// # Errors
     /// If there is no method that the network's spec names, or the adapter refuses.
     pub fn new(gpu: &Gpu, spec: &NetSpec) -> Result<Self, MethodError> {
-        let estimators = spec.estimates.iter().map(estimator).collect::<Result<_, _>>()?;
-        let methods = spec.estimates.iter().map(|estimate| passes(gpu, spec, estimate));
+        let estimators = spec.estimates.iter().map(|estimate| estimator(spec, estimate));
+        let estimators: Vec<Estimator> = estimators.collect::<Result<_, _>>()?;
         Ok(Self {
             gpu: gpu.clone(),
             spec: spec.clone(),
+            methods: estimators.iter().map(|estimator| estimator.on(gpu)).collect(),
             estimators,
-            methods: methods.collect::<Result<_, _>>()?,
             input: InputPasses::new(&gpu.device, spec).map_err(failed)?,
             image: ImagePass::new(&gpu.device, spec).map_err(failed)?,
         })
@@ -93,7 +91,8 @@ impl Card {
         for (estimator, method) in self.estimators.iter().zip(&self.methods) {
             if estimator.reads_scene() && !estimator.is_made(gbuffer) {
                 let (scene, camera) = scene.ok_or_else(|| no_estimate(estimator.wants_scene()))?;
-                let shaded = method.shade(&Frame { scene, camera, gbuffer, radius, seed }, repeats)?;
+                let shaded =
+                    method.shade_in_passes(&Frame { scene, camera, gbuffer, radius, seed }, repeats)?;
                 milliseconds += shaded.milliseconds;
                 let before = with.as_ref().unwrap_or(gbuffer);
                 with = Some(before.with(estimator.makes(), shaded.image.data()));
@@ -146,7 +145,7 @@ impl Card {
         let of_scene = self.estimators.iter().filter(|estimator| estimator.reads_scene());
         let of_scene: Vec<Attribute> = of_scene.flat_map(|estimator| estimator.makes()).copied().collect();
         reads.retain(|attribute| !Attribute::MADE.contains(attribute) || of_scene.contains(attribute));
-        for attribute in self.methods.iter().flat_map(|method| method.attributes()) {
+        for attribute in self.on_screen().flat_map(|(_, method)| method.attributes()) {
             if !reads.contains(attribute) {
                 reads.push(*attribute);
             }
@@ -163,18 +162,6 @@ impl Card {
         let estimates = self.on_screen().map(|(_, method)| EstimatePasses::new(method, gbuffer, view));
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
-}
-
-/// The passes of a method that estimates.
-fn passes(
-    gpu: &Gpu,
-    spec: &NetSpec,
-    estimate: &deepshade_infer::AnalyticEstimate,
-) -> Result<ScreenMethod, MethodError> {
-    let other = |what: String| MethodError::Other { method: LEARNED, what };
-    let quality = Quality::ALL.into_iter().find(|quality| quality.name() == estimate.quality);
-    let quality = quality.ok_or_else(|| other(format!("no quality `{}`", estimate.quality)))?;
-    open_screen(spec.effect, &estimate.method, gpu, quality).map_err(|error| other(format!("{error:#}")))
 }
 
 /// From where a g-buffer is seen whose camera is not known, as far as its positions say. Where it has none

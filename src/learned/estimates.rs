@@ -1,10 +1,13 @@
-//! What methods estimate for a network to read, in vector instructions on the processor.
+//! What methods estimate for a network to read, on the processor: in vector instructions where a method has
+//! such a version.
 
 use crate::methods::LEARNED;
-use deepshade_infer::NetSpec;
+use deepshade_infer::{AnalyticEstimate, NetSpec};
 use deepshade_render::method::{MethodError, Repeats};
 use deepshade_render::methods::estimate::{EstimateError, EstimateInputs, Estimator};
-use deepshade_shaders::{GBuffer, lists};
+use deepshade_render::screen::ScreenMethod;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, GBuffer, lists};
 use web_time::Instant;
 
 /// Chooses the random numbers of estimates: the same in each frame, so that their noise stands still.
@@ -21,7 +24,7 @@ impl Estimates {
     /// # Errors
     /// If there is no such method or quality.
     pub fn new(spec: &NetSpec) -> Result<Self, MethodError> {
-        let methods = spec.estimates.iter().map(estimator);
+        let methods = spec.estimates.iter().map(|estimate| estimator(spec, estimate));
         Ok(Self { methods: methods.collect::<Result<_, _>>()? })
     }
 
@@ -59,8 +62,24 @@ pub fn no_estimate(error: EstimateError) -> MethodError {
 ///
 /// # Errors
 /// If there is no such method or quality.
-pub fn estimator(estimate: &deepshade_infer::AnalyticEstimate) -> Result<Estimator, MethodError> {
-    Estimator::named(&estimate.method, &estimate.quality).map_err(no_estimate)
+pub fn estimator(spec: &NetSpec, estimate: &AnalyticEstimate) -> Result<Estimator, MethodError> {
+    let AnalyticEstimate { method, quality, .. } = estimate;
+    Estimator::named(estimate.effect(spec.effect), method, quality).map_err(no_estimate)
+}
+
+/// The methods that look at the scene itself and estimate what a network reads, with what each makes.
+///
+/// # Errors
+/// If there is no such method or quality.
+pub fn of_scene(gpu: &Gpu, spec: &NetSpec) -> Result<Vec<(Attribute, ScreenMethod)>, MethodError> {
+    let mut methods = Vec::new();
+    for estimate in &spec.estimates {
+        let estimator = estimator(spec, estimate)?;
+        if estimator.reads_scene() {
+            methods.push((estimator.makes()[0], estimator.on(gpu)));
+        }
+    }
+    Ok(methods)
 }
 
 /// What work comes to, and the median of the milliseconds that it takes.

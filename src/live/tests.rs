@@ -73,10 +73,42 @@ fn recorded_against_alone(spec: NetSpec) -> (f32, f32) {
 fn a_network_recorded_with_a_frame_makes_what_it_makes_of_the_g_buffer() {
     let (largest, _) = recorded_against_alone(NetSpec::ao(ChannelOrder::Interleaved, REACH));
     assert!(largest < 2e-3, "{largest}");
-    let estimate = AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
-    let corrected = NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one");
+    let estimate = AnalyticEstimate::new("gtao", "low");
+    let corrected = NetSpec::corrected(Effect::Ao, 8, vec![estimate], REACH).expect("it has one");
     let (_, share) = recorded_against_alone(corrected);
     assert!(share < 0.02, "{share} of the pixels");
+}
+
+#[test]
+fn a_network_that_corrects_surfels_reads_those_of_the_live_scene() {
+    let gpu = Gpu::new().expect("an adapter");
+    let openness = AnalyticEstimate::new("gtao", "low").of(Effect::Ao);
+    let estimates = [AnalyticEstimate::new("surfel", "low"), openness];
+    let spec = NetSpec::corrected(Effect::Gi, 8, estimates.to_vec(), REACH).expect("it has one");
+    let mut model = Model { weights: Weights::random(&spec, 3), spec };
+    // It leaves the estimate as it is.
+    let last = model.weights.0.last_mut().expect("a layer");
+    last.weight.fill(0.0);
+    last.bias.fill(0.0);
+    let source: SceneSource = "room:1".parse().expect("a scene");
+    let animated = AnimatedScene::load(&source, 0.0).expect("a scene");
+    let wanted = LiveSettings {
+        size: [32, 48],
+        methods: vec![methods::open_screen(Effect::Gi, "surfel", &gpu, Quality::Low).expect("a method")],
+        learned: Some(Learned::on_adapter(&gpu, &model).expect("compiles")),
+        attributes: vec![Attribute::Valid],
+        temporal: false,
+        radius: 2.0,
+        shutter: 0.0,
+    };
+    let camera = Camera::look_at(Vec3::new(1.0, 1.5, 1.0), Vec3::new(0.0, 1.0, 0.0));
+    let mut live = Live::new(&gpu, &animated, &camera, wanted).expect("a frame");
+    live.make(0.0, learned::SEED, &camera).expect("runs");
+    let [surfel, learned] = [0, 1].map(|method| live.image(method).expect("read"));
+    let mean = surfel.data().iter().sum::<f32>() / surfel.data().len() as f32;
+    assert!(mean > 1e-4, "light that the room's surfaces send: {mean}");
+    let apart = surfel.data().iter().zip(learned.data()).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f32::max) < 1e-2 * mean, "the network's estimate is the frame's own");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a network reads of a frame: of a procedural room, with all that the effect needs.
 
 use crate::complete::{Additions, Completed, Wants, complete};
-use crate::learned::{Learned, reads};
+use crate::learned::{Learned, estimator, reads};
 use crate::radius::{self, Space};
 use anyhow::Result;
 use deepshade_dataset::views::sample_view;
@@ -42,7 +42,7 @@ pub fn input(spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
     let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], &attributes);
     let radius = radius::wanted(None, Some(spec.reach), &[], Space::seen(&scene, &camera, size));
     let inputs = EstimateInputs { gbuffer: &gbuffer, radius, seed: SEED, scene: Some((&scene, &camera)) };
-    let methods = spec.estimates.iter().map(|of| (&of.method[..], &of.quality[..]));
-    let gbuffer = &with_estimates(&inputs, methods)?;
+    let estimators = spec.estimates.iter().map(|estimate| estimator(spec, estimate));
+    let gbuffer = &with_estimates(&inputs, &estimators.collect::<Result<Vec<_>, _>>()?)?;
     Ok(Learned::input(spec, gbuffer, radius)?)
 }

@@ -1,11 +1,12 @@
 //! Which network `deepshade train` trains, and its defaults.
 
 use super::{Args, share};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use deepshade_dataset::{Radius, Recipe};
-use deepshade_infer::{AnalyticEstimate, ChannelOrder, Head, NetSpec, Reach};
-use deepshade_render::methods::estimate::Estimator;
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
+use deepshade_render::methods::Quality;
+use deepshade_render::methods::estimate::{EstimateError, Estimator};
 use deepshade_shaders::Effect;
 use deepshade_train::{Loss, TrainConfig};
 use std::path::Path;
@@ -20,13 +21,21 @@ const RADII: f32 = 1.0;
 const USUAL_SHARE: f32 = 0.03;
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
-/// The estimate that the corrected network reads of an effect.
-fn usual_estimate(effect: Effect) -> AnalyticEstimate {
-    let [method, quality] = match effect {
-        Effect::Gi => ["surfel", "low"],
-        _ => ["gtao", "high"],
-    };
-    AnalyticEstimate { method: method.to_owned(), quality: quality.to_owned() }
+/// The estimates that the corrected network reads of an effect, that which it corrects first.
+fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
+    let of = AnalyticEstimate::new;
+    match effect {
+        Effect::Gi => vec![of("surfel", "low"), of("gtao", "low").of(Effect::Ao)],
+        Effect::Do => vec![of("ssdo", "low"), of("gtao", "medium").of(Effect::Ao)],
+        _ => vec![of("gtao", "high")],
+    }
+}
+
+/// Whether a method of an effect makes it of the scene, and not of a g-buffer alone.
+fn is_of_scene(effect: Effect, estimate: &AnalyticEstimate) -> bool {
+    let AnalyticEstimate { method, quality, .. } = estimate;
+    let estimator = Estimator::named(estimate.effect(effect), method, quality);
+    estimator.is_ok_and(|estimator| estimator.reads_scene())
 }
 
 /// Which network.
@@ -39,14 +48,14 @@ pub enum Network {
 }
 
 impl Network {
-    /// The default: one that corrects what is estimated of the g-buffer alone, else the paper's. What only a
-    /// scene tells has to be in the pairs, so it has to be asked for.
-    pub fn usual(effect: Effect) -> Self {
+    /// The default: one that corrects an estimate, where its effect has such a network and the pairs have what
+    /// of it only a scene tells; else the paper's. Views that are rendered get what a network reads.
+    pub fn usual(recipe: &Recipe, streamed: bool) -> Self {
+        let effect = recipe.effect;
         let reach = Reach { radius: RADII, diagonal_share: USUAL_SHARE, height: 1 };
-        let AnalyticEstimate { method, quality } = usual_estimate(effect);
-        let of_scene = Estimator::named(&method, &quality).is_ok_and(|estimator| estimator.reads_scene());
-        match NetSpec::corrected(effect, CHANNELS, usual_estimate(effect), reach) {
-            Some(_) if !of_scene => Self::Corrected,
+        let of_scene = usual_estimates(effect).iter().any(|estimate| is_of_scene(effect, estimate));
+        match NetSpec::corrected(effect, CHANNELS, usual_estimates(effect), reach) {
+            Some(_) if streamed || !of_scene || !recipe.estimates.is_empty() => Self::Corrected,
             _ => Self::Paper,
         }
     }
@@ -60,12 +69,15 @@ pub fn channels(text: &str) -> Result<usize, String> {
 
 /// Reads an estimate.
 pub fn estimate(text: &str) -> Result<AnalyticEstimate, String> {
-    Estimator::parse(text).map_err(|error| error.to_string())?;
-    let (method, quality) = text.split_once(':').unwrap_or_default();
-    Ok(AnalyticEstimate { method: method.to_owned(), quality: quality.to_owned() })
+    let form = || EstimateError::Form(text.to_owned()).to_string();
+    let (method, quality) = text.split_once(':').ok_or_else(form)?;
+    if Quality::ALL.iter().all(|known| known.name() != quality) {
+        return Err(EstimateError::Quality(quality.to_owned()).to_string());
+    }
+    Ok(AnalyticEstimate::new(method, quality))
 }
 
-/// The default radius of a network of the paper's: the recipe's, where it has one.
+/// The default radius of a network: the recipe's, where it has one.
 ///
 /// # Errors
 /// If it is in metres, and the recipe's scenes do not tell which share of their diagonals that is.
@@ -89,10 +101,11 @@ pub fn diagonal_share(args: &Args, recipe: &Recipe, data: &Path) -> Result<f32> 
 
 /// The defaults for data that a recipe makes, and its [usual](Network::usual) network.
 pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
-    let reach = |share| Reach { radius: RADII, diagonal_share: share, height: recipe.resolution.height };
-    let estimate = usual_estimate(recipe.effect);
-    let corrected = NetSpec::corrected(recipe.effect, CHANNELS, estimate, reach(USUAL_SHARE));
-    match (corrected.filter(|_| Network::usual(recipe.effect) == Network::Corrected), recipe.radius) {
+    let height = recipe.smallest.unwrap_or(recipe.resolution).height;
+    let diagonal_share = if let Radius::Diagonal(share) = recipe.radius { share } else { USUAL_SHARE };
+    let reach = Reach { radius: RADII, diagonal_share, height };
+    let corrected = NetSpec::corrected(recipe.effect, CHANNELS, usual_estimates(recipe.effect), reach);
+    match (corrected.filter(|_| Network::usual(recipe, false) == Network::Corrected), recipe.radius) {
         (Some(spec), _) => Ok(correcting(spec, data)),
         (None, Radius::Diagonal(share)) => default_config(recipe, data, ChannelOrder::Interleaved, share),
         (None, _) => {
@@ -104,17 +117,39 @@ pub fn usual_config(recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
 /// The defaults for a network that corrects an estimate.
 pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<TrainConfig> {
     let effect = recipe.effect;
-    let diagonal_share = args.diagonal_share.unwrap_or(USUAL_SHARE);
+    let diagonal_share = diagonal_share(args, recipe, data)?;
     let reach =
         Reach { radius: RADII, diagonal_share, height: recipe.smallest.unwrap_or(recipe.resolution).height };
-    let estimate = args.estimate.clone().unwrap_or_else(|| usual_estimate(effect));
-    let makes = Estimator::named(&estimate.method, &estimate.quality)?.makes();
-    let named = format!("--estimate {}:{}", estimate.method, estimate.quality);
-    let spec = NetSpec::corrected(effect, args.channels, estimate, reach)
-        .with_context(|| format!("--network corrected: no method estimates `{effect}` for networks"))?;
-    let fits = matches!(spec.head, Head::Correction(correction) if makes.contains(&correction.of));
-    ensure!(fits, "{named} does not estimate `{effect}`");
+    let mut estimates = usual_estimates(effect);
+    if let Some(estimate) = &args.estimate {
+        estimates[0] = estimate.clone();
+    }
+    let spec = NetSpec::corrected(effect, args.channels, estimates, reach)
+        .with_context(|| format!("--network corrected: no such network is laid out for `{effect}`"))?;
+    let AnalyticEstimate { method, quality, .. } = &spec.estimates[0];
+    Estimator::named(effect, method, quality).context("--estimate")?;
+    check_data(&spec.estimates, recipe, args.dataset.is_some(), data)?;
     Ok(correcting(spec, data))
+}
+
+/// Whether data hold what only a scene tells as the network reads it. Where they are rendered while it trains
+/// it is made, unless their recipe names another estimate, which would take its place.
+fn check_data(estimates: &[AnalyticEstimate], recipe: &Recipe, on_disk: bool, data: &Path) -> Result<()> {
+    let Some(estimate) = estimates.iter().find(|estimate| is_of_scene(recipe.effect, estimate)) else {
+        return Ok(());
+    };
+    let (data, wanted) = (data.display(), format!("{}:{}", estimate.method, estimate.quality));
+    match recipe.estimates.first() {
+        Some(held) if *held != wanted => bail!(
+            "{data}: it has `{held}`, and the network reads `{wanted}`: give --estimate {held}, or have \
+             `estimates = [\"{wanted}\"]` in the recipe"
+        ),
+        None if on_disk => bail!(
+            "{data}: the network reads `{wanted}`, which pairs hold whose recipe has \
+             `estimates = [\"{wanted}\"]`: generate them anew, or train with --recipe, which makes it"
+        ),
+        _ => Ok(()),
+    }
 }
 
 /// The defaults for a spec that corrects an estimate. An estimate is so near to truth that what is left to
@@ -140,4 +175,34 @@ pub fn default_config(
     let spec = NetSpec::published(effect, order, reach)
         .with_context(|| format!("no network is laid out for effect `{effect}`"))?;
     Ok(TrainConfig::new(spec, dataset.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_another_estimate_than_the_networks_are_refused() {
+        let recipe = |estimates: &str| -> Recipe {
+            let text = format!(
+                "effect = \"gi\"\nsplit = \"train\"\nseed = 1\nsamples = 8\nviews_per_scene = 1\n\
+                 resolution = {{ height = 64, width = 64 }}\nradius = {{ diagonal = 0.1 }}\n{estimates}\n\
+                 vary = {{ light = true }}\nfamilies = [{{ name = \"room\", scenes = 1 }}]"
+            );
+            toml::from_str(&text).expect("a recipe")
+        };
+        let check = |estimates: &str, on_disk| {
+            let reads = usual_estimates(Effect::Gi);
+            let checked = check_data(&reads, &recipe(estimates), on_disk, Path::new("pairs"));
+            checked.map_err(|error| error.to_string())
+        };
+        assert_eq!(check("estimates = [\"surfel:low\"]", true), Ok(()));
+        assert_eq!(check("", false), Ok(()), "views are rendered with it");
+        assert!(check("", true).is_err_and(|error| error.contains("`estimates = [\"surfel:low\"]`")));
+        for (held, on_disk) in [("surfel:high", false), ("surfel:high", true), ("bounced-z:low", false)] {
+            let other = check(&format!("estimates = [\"{held}\"]"), on_disk);
+            assert!(other.is_err_and(|error| error.contains(&format!("--estimate {held}"))));
+        }
+        assert!(check_data(&usual_estimates(Effect::Ao), &recipe(""), true, Path::new("pairs")).is_ok());
+    }
 }

@@ -2,8 +2,8 @@
 //! as half floats.
 
 use crate::TrainError;
-use deepshade_dataset::{Dataset, EstimateInputs, Manifest, Pair, with_estimates};
-use deepshade_infer::{NetSpec, Scaling};
+use deepshade_dataset::{Dataset, EstimateError, EstimateInputs, Estimator, Manifest, Pair, with_estimates};
+use deepshade_infer::{AnalyticEstimate, NetSpec, Scaling};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, exposure, shows_surface};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -92,6 +92,14 @@ impl Scale {
     }
 }
 
+/// The methods whose images a network reads.
+fn estimators(spec: &NetSpec) -> Result<Vec<Estimator>, EstimateError> {
+    let named = |estimate: &AnalyticEstimate| {
+        Estimator::named(estimate.effect(spec.effect), &estimate.method, &estimate.quality)
+    };
+    spec.estimates.iter().map(named).collect()
+}
+
 impl HalfPair {
     /// A pair with what the network's estimates and its other inputs are made of; `seed` chooses the
     /// estimates' random numbers.
@@ -99,9 +107,8 @@ impl HalfPair {
         if !(pair.radius.is_finite() && pair.radius > 0.0) {
             return Err(format!("its radius is {}", pair.radius));
         }
-        let methods = spec.estimates.iter().map(|estimate| (&estimate.method[..], &estimate.quality[..]));
         let inputs = EstimateInputs { gbuffer: &pair.gbuffer, radius: pair.radius, seed, scene: None };
-        let gbuffer = with_estimates(&inputs, methods);
+        let gbuffer = estimators(spec).and_then(|estimators| with_estimates(&inputs, &estimators));
         let gbuffer = gbuffer.map_err(|error| error.to_string())?;
         let gbuffer = spec.prepared(&gbuffer, pair.radius).map_err(|error| error.to_string())?;
         let mut attributes = spec.inputs.clone();

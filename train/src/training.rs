@@ -120,9 +120,10 @@ pub fn train_streamed(
 /// A recipe whose pairs hold what methods that look beyond the screen estimate for a network, too.
 fn with_estimates(recipe: &Recipe, spec: &NetSpec) -> Recipe {
     let mut recipe = recipe.clone();
-    for AnalyticEstimate { method, quality } in &spec.estimates {
+    let own = |estimate: &&AnalyticEstimate| estimate.effect(spec.effect) == spec.effect;
+    for AnalyticEstimate { method, quality, .. } in spec.estimates.iter().filter(own) {
         let text = format!("{method}:{quality}");
-        let of_scene = Estimator::parse(&text).is_ok_and(|estimator| estimator.reads_scene());
+        let of_scene = Estimator::parse(spec.effect, &text).is_ok_and(|estimator| estimator.reads_scene());
         if of_scene && !recipe.estimates.contains(&text) {
             recipe.estimates.push(text);
         }

@@ -10,6 +10,7 @@ mod demo;
 mod deny;
 mod figures;
 mod fuzz;
+mod hosts;
 mod models;
 mod package;
 mod program;
@@ -54,6 +55,9 @@ enum Verb {
     /// with deepshade, and compares every effect pixel by pixel: `deepshade-studies crosscheck` with the
     /// arguments.
     Crosscheck(Passed),
+    /// Runs the tests of the Python package, with PyTorch in an environment below the target folder (some
+    /// gigabytes).
+    Hosts(Json),
     /// Makes networks in `models` from nothing: data, training, export, test set, evaluation, parity, and
     /// what more steps would bring, from trainings of half and a quarter of them; hours. Given again it goes
     /// on.
@@ -111,6 +115,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Test => test::run(),
         Verb::Prove(json) => prove::run(json.json.as_deref()),
         Verb::Crosscheck(passed) => crosscheck::run(&passed.args),
+        Verb::Hosts(json) => hosts::run(json.json.as_deref()),
         Verb::Models(args) => models::run(&args),
         Verb::Book => book::run(),
         Verb::Deny(args) => deny::run(&args),

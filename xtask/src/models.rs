@@ -29,18 +29,47 @@ struct Budget {
     rate: &'static str,
     /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
     share: Option<&'static str>,
-    /// Of a network that is trained on views that are rendered while it trains: `--network`, `--channels` and
-    /// `--estimate`. None where pairs are made before, of the recipe of its name.
-    streamed: Option<[&'static str; 3]>,
+    /// Of a network that is trained on views that are rendered while it trains. None where pairs are made
+    /// before, of the recipe of its name.
+    streamed: Option<Streamed>,
 }
 
-/// The recipe of views without end, and those of the test sets by radius, with the names of their folders.
-const STREAM: &str = "ao";
-const RADII: [(&str, &str); 3] = [
-    ("testset-small", "ao-small-radius-test"),
-    ("testset-medium", "ao-medium-radius-test"),
-    ("testset-large", "ao-large-radius-test"),
-];
+/// How a network is trained on views without end, and tested.
+#[derive(Clone, Copy)]
+struct Streamed {
+    /// The task that it shares with others of its effect.
+    task: &'static Task,
+    /// `--network`, `--channels` and `--estimate`.
+    network: [&'static str; 3],
+}
+
+/// Views without end of an effect, and what networks on them are tested on.
+struct Task {
+    /// The recipe of the views, and the model's folder in which the test sets are.
+    stream: &'static str,
+    /// The test sets' folders, and their recipes.
+    tests: &'static [(&'static str, &'static str)],
+    /// What `eval` measures beside doing nothing, and at which qualities.
+    methods: &'static str,
+    qualities: &'static str,
+}
+
+const AO: Task = Task {
+    stream: "ao",
+    tests: &[
+        ("testset-small", "ao-small-radius-test"),
+        ("testset-medium", "ao-medium-radius-test"),
+        ("testset-large", "ao-large-radius-test"),
+    ],
+    methods: "learned,gtao,hbao",
+    qualities: "low,medium,high,ultra",
+};
+const GI: Task = Task {
+    stream: "gi",
+    tests: &[("testset", "gi-test")],
+    methods: "learned,surfel,ssgi",
+    qualities: "low,medium",
+};
 
 /// The shipped networks, cheap ones first.
 ///
@@ -52,7 +81,7 @@ const RADII: [(&str, &str); 3] = [
 /// `dof`, `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of the
 /// three at once, seven minutes. Two cores need an hour and a half for each.
 ///
-/// Indirect light, most of which is dark, wants a lower rate. At 0.004 the weights grew without bound, to
+/// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without bound, to
 /// where structural similarity has no gradient.
 const BUDGETS: [Budget; 13] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
@@ -67,7 +96,7 @@ const BUDGETS: [Budget; 13] = [
         streamed: None,
     },
     Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None, streamed: None },
-    Budget { name: "gi", steps: 16_000, batch: 4, crop: 128, rate: "0.003", share: None, streamed: None },
+    Budget { name: "gi", steps: 6_000, streamed: on(&GI, ["corrected", "16", "surfel:low"]), ..CORRECTED },
     Budget {
         name: "gi-paper",
         steps: 16_000,
@@ -88,9 +117,14 @@ const BUDGETS: [Budget; 13] = [
         share: Some("0.04"),
         streamed: None,
     },
-    Budget { name: "ao", steps: 11_000, streamed: Some(["corrected", "24", "gtao:high"]), ..CORRECTED },
-    Budget { name: "ao-small", steps: 8_500, streamed: Some(["corrected", "12", "gtao:low"]), ..CORRECTED },
-    Budget { name: "ao-paper", streamed: Some(["paper", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ao", steps: 11_000, streamed: on(&AO, ["corrected", "24", "gtao:high"]), ..CORRECTED },
+    Budget {
+        name: "ao-small",
+        steps: 8_500,
+        streamed: on(&AO, ["corrected", "12", "gtao:low"]),
+        ..CORRECTED
+    },
+    Budget { name: "ao-paper", streamed: on(&AO, ["paper", "24", "gtao:high"]), ..CORRECTED },
     Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
 ];
 
@@ -98,6 +132,10 @@ const BUDGETS: [Budget; 13] = [
 /// fourteen of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
+
+const fn on(task: &'static Task, network: [&'static str; 3]) -> Option<Streamed> {
+    Some(Streamed { task, network })
+}
 
 /// How often a view is used on average. With the default, 8, rendering was half of the time.
 const USES: &str = "32";
@@ -145,8 +183,8 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    if let Some(network) = budget.streamed {
-        return streamed_steps(budget, network, work);
+    if let Some(streamed) = budget.streamed {
+        return streamed_steps(budget, streamed, work);
     }
     let Budget { name, steps, batch, crop, rate, share, .. } = budget;
     let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
@@ -189,9 +227,10 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     ]
 }
 
-/// The steps of a network on views without end, which is tested at each radius.
-fn streamed_steps(budget: &Budget, network: [&str; 3], work: &Path) -> Vec<(&'static str, Command)> {
+/// The steps of a network on views without end.
+fn streamed_steps(budget: &Budget, streamed: Streamed, work: &Path) -> Vec<(&'static str, Command)> {
     let Budget { name, steps, batch, crop, rate, .. } = budget;
+    let Streamed { task, network } = streamed;
     let recipe = |name: &str| format!("dataset/recipes/{name}.toml");
     let run = work.join("runs").join(name).display().to_string();
     let (model, metrics) = (format!("models/{name}"), format!("{run}.json"));
@@ -201,17 +240,17 @@ fn streamed_steps(budget: &Budget, network: [&str; 3], work: &Path) -> Vec<(&'st
     let options = ["--network", "--channels", "--estimate"];
     let which: Vec<&str> =
         options.into_iter().zip(network).flat_map(|(option, value)| [option, value]).collect();
-    let train = ["train", "--recipe", &recipe(STREAM), "--uses", USES, "--out", &run];
+    let train = ["train", "--recipe", &recipe(task.stream), "--uses", USES, "--out", &run];
     let mut all = vec![
         ("training", deepshade(&[&train[..], &which, &words].concat())),
         ("export", deepshade(&["export", "--run", &run, "--out", &model])),
     ];
     // Those of all networks on these views: `eval` finds them there.
-    for (folder, test) in RADII {
-        let testset = format!("models/{STREAM}/{folder}");
+    for (folder, test) in task.tests {
+        let testset = format!("models/{}/{folder}", task.stream);
         all.push(("test set", deepshade(&["dataset", "testset", &recipe(test), "--out", &testset])));
     }
-    let rivals = ["--methods", "learned,gtao,hbao", "--quality", "low,medium,high,ultra"];
+    let rivals = ["--methods", task.methods, "--quality", task.qualities];
     let evaluation = [&["eval", "--model", &model][..], &rivals, &["--json", &metrics]].concat();
     all.extend([
         ("evaluation", deepshade(&[&evaluation[..], &["--results", "models/results.json"]].concat())),
@@ -229,9 +268,11 @@ mod tests {
     fn every_network_has_its_recipes_and_crops_that_fit() {
         for Budget { name, crop, share, streamed, .. } in &BUDGETS {
             let own = vec![(*name).to_owned(), format!("{name}-test")];
-            let shared =
-                || [STREAM].into_iter().chain(RADII.map(|(_, test)| test)).map(str::to_owned).collect();
-            for recipe in streamed.map_or(own, |_| shared()) {
+            let shared = |Streamed { task, .. }| {
+                let tests = task.tests.iter().map(|(_, test)| *test);
+                [task.stream].into_iter().chain(tests).map(str::to_owned).collect()
+            };
+            for recipe in streamed.map_or(own, shared) {
                 let file = root().join(format!("dataset/recipes/{recipe}.toml"));
                 let text = std::fs::read_to_string(&file).expect("a recipe of that name");
                 let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());
@@ -246,7 +287,8 @@ mod tests {
     fn a_quarter_of_the_steps_is_validated_often_enough_for_a_forecast() {
         // `deepshade train` validates every 500 steps by default, and `deepshade-studies forecast` wants four
         // validations of a run.
-        for Budget { name, steps, .. } in &BUDGETS {
+        // Views without end have no runs of half and a quarter.
+        for Budget { name, steps, .. } in BUDGETS.iter().filter(|budget| budget.streamed.is_none()) {
             assert!(steps / 4 / 500 >= 4, "{name}");
         }
     }

@@ -106,15 +106,24 @@ impl Recipe {
     }
 
     fn check_estimates(&self) -> Result<(), String> {
+        if !self.captures.is_empty() {
+            // Refused with the other keys that are for scenes.
+            return Ok(());
+        }
+        if self.split == Split::Test && !self.estimates.is_empty() {
+            return Err("`estimates` is for training: whoever is measured makes its own".to_owned());
+        }
         for (index, text) in self.estimates.iter().enumerate() {
-            let estimator = Estimator::parse(text).map_err(|error| format!("`estimates`: {error}"))?;
+            let estimator = Estimator::parse(self.effect, text);
+            let estimator = estimator.map_err(|error| format!("`estimates`: {error}"))?;
             if !estimator.reads_scene() {
                 let method = estimator.method();
                 return Err(format!(
                     "`estimates`: `{method}` needs no scene; pairs get it when they are read"
                 ));
             }
-            let earlier = self.estimates[..index].iter().filter_map(|text| Estimator::parse(text).ok());
+            let earlier = self.estimates[..index].iter();
+            let earlier = earlier.filter_map(|text| Estimator::parse(self.effect, text).ok());
             if earlier.flat_map(|other| other.makes()).any(|made| estimator.makes().contains(made)) {
                 return Err(format!("`estimates`: `{text}` makes what one before it makes"));
             }
@@ -213,6 +222,7 @@ impl Recipe {
             ("vary", self.vary.is_some()),
             ("target", self.target.is_some()),
             ("error", self.error.is_some()),
+            ("estimates", !self.estimates.is_empty()),
             ("scramblings", self.scramblings > 1),
             ("radius.diagonal", matches!(self.radius, Radius::Diagonal(_))),
             ("views", self.views != Views::Anywhere),

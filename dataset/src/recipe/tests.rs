@@ -282,6 +282,11 @@ fn keys_that_mean_nothing_are_refused() {
     let shared =
         refusal(|text| text.replace("\"train\"", "\"test\"").replace(Family::ALL[0].name(), test.name()));
     assert!(shared.contains("`validation_share` is for training"), "{shared}");
+    let estimated = refusal(|text| {
+        let text = for_testing(&text).replace(Family::ALL[0].name(), test.name());
+        text.replace("[[", "estimates = [\"surfel:low\"]\n[[")
+    });
+    assert!(estimated.contains("`estimates` is for training"), "{estimated}");
     let without_files = refusal(|text| text.replace("[[", "test_recipes = [\"t.toml\"]\n[["));
     assert!(without_files.contains("`test_recipes` is for training recipes with `files`"), "{without_files}");
 }
@@ -293,6 +298,10 @@ fn noise_is_known_of_truth_alone() {
     let captures = vec![PathBuf::from("desk")];
     let captured =
         Recipe { captures, families: Vec::new(), vary: None, camera: None, ..photographed.clone() };
+    let estimates = vec!["surfel:low".to_owned()];
+    let estimated = Recipe { estimates, scramblings: 1, ..captured.clone() }.check(&path);
+    let error = estimated.expect_err("refused").to_string();
+    assert!(error.contains("`estimates` is for scenes, and `captures` are none"), "{error}");
     for (recipe, expected) in [
         (photographed, "`scramblings` is for truth, and with `vary.sensor`"),
         (captured, "`scramblings` is for scenes, and `captures` are none"),

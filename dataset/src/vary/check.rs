@@ -1,11 +1,13 @@
 //! Which keys of the table `vary` an effect needs, which it may have, and their limits.
 
-use super::{FogRange, Textures, Timeline, Vary};
+use super::{FogRange, Surroundings, Textures, Timeline, Vary};
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::Definition;
 
 /// Most procedural textures, which all stay in memory.
 const MOST_TEXTURES: usize = 512;
+/// Most skies, which all stay in memory.
+const MOST_SKIES: usize = 256;
 
 impl Vary {
     /// Whether the table has what the effect needs, nothing that means nothing for it, and no absurd value.
@@ -44,6 +46,11 @@ impl Vary {
             && !(1..=MOST_TEXTURES).contains(&count)
         {
             return Err(format!("`vary.textures.procedural` must be 1 to {MOST_TEXTURES}"));
+        }
+        if let Some(Surroundings::Skies(count)) = self.environment
+            && !(2..=MOST_SKIES).contains(&count)
+        {
+            return Err(format!("`vary.environment.skies` must be 2 to {MOST_SKIES}"));
         }
         let FogRange { optical_depth, smoke_share } =
             self.fog.unwrap_or(FogRange { optical_depth: [1.0; 2], smoke_share: 0.0 });

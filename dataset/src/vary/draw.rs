@@ -42,6 +42,7 @@ pub(crate) mod purpose {
     pub const SIZE: u64 = 12;
     pub const FIELD_OF_VIEW: u64 = 13;
     pub const RADIUS: u64 = 14;
+    pub const ENVIRONMENT: u64 = 15;
 }
 
 /// Whether an effect shows light that lamps may be the source of.

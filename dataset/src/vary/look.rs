@@ -74,7 +74,7 @@ pub(super) fn look(
     if let Some(lamp) = variation.lamp {
         look.lights = vec![lamp.light()];
     }
-    if let Some(environment) = props.environment() {
+    if let Some(environment) = props.environment(seed) {
         look.environment = Some(environment.clone());
     }
     if let Some(fog) = variation.fog {

@@ -1,20 +1,23 @@
-//! What all images of a recipe share: a pool of textures and an environment.
+//! What all images of a recipe share: a pool of textures and one of environments.
 
+use super::draw::purpose;
 use super::pool::Pool;
 use super::{Surroundings, Textures};
+use crate::random::mix;
 use crate::recipe::file_hash;
 use crate::{DatasetError, Recipe};
 use deepshade_render::scene::Environment;
-use deepshade_render::scene::procedural::sky;
+use deepshade_render::scene::procedural::{Split, sky};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Textures and an environment.
+/// Textures and environments.
 #[derive(Debug, Default)]
 pub struct Props {
     textures: Pool,
-    environment: Option<Arc<Environment>>,
+    environments: Vec<Arc<Environment>>,
 }
 
 impl Props {
@@ -30,12 +33,17 @@ impl Props {
             Some(Textures::Procedural(count)) => Pool::patterns(*count, recipe.seed, recipe.split),
             Some(Textures::Folder(folder)) => Pool::folder(&recipe.folder.join(folder))?,
         };
-        let environment = match &vary.environment {
-            None => None,
-            Some(Surroundings::Sky(seed)) => Some(sky(u64::from(*seed))),
-            Some(Surroundings::File(path)) => Some(Environment::load(&recipe.folder.join(path))?),
+        let environments = match &vary.environment {
+            None => Vec::new(),
+            Some(Surroundings::Sky(seed)) => vec![sky(u64::from(*seed))],
+            Some(Surroundings::Skies(count)) => {
+                let split = u64::from(recipe.split == Split::Test);
+                let seed = |index: usize| mix(&[u64::from(recipe.seed), split, index as u64]);
+                (0..*count).into_par_iter().map(|index| sky(seed(index))).collect()
+            }
+            Some(Surroundings::File(path)) => vec![Environment::load(&recipe.folder.join(path))?],
         };
-        Ok(Self { textures, environment: environment.map(Arc::new) })
+        Ok(Self { textures, environments: environments.into_iter().map(Arc::new).collect() })
     }
 
     /// [`Props::load`] for data that were made with files of these hashes.
@@ -56,9 +64,11 @@ impl Props {
         &self.textures
     }
 
-    /// What shines from infinitely far away.
-    pub(super) const fn environment(&self) -> Option<&Arc<Environment>> {
-        self.environment.as_ref()
+    /// What shines from infinitely far away in the image of a seed.
+    pub(super) fn environment(&self, seed: u64) -> Option<&Arc<Environment>> {
+        let count = self.environments.len() as u64;
+        let chosen = if count > 1 { mix(&[seed, purpose::ENVIRONMENT]) % count } else { 0 };
+        self.environments.get(chosen as usize)
     }
 }
 
@@ -74,4 +84,31 @@ pub fn hashes(recipe: &Recipe) -> Result<BTreeMap<PathBuf, String>, DatasetError
         Ok((path.clone(), hash))
     };
     paths.map(hash).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Vary;
+    use std::path::Path;
+
+    #[test]
+    fn images_have_skies_of_a_pool_and_those_of_tests_are_others() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/ibl.toml");
+        let recipe = Recipe::load(&path).expect("a sound recipe");
+        let vary = Vary { environment: Some(Surroundings::Skies(3)), ..Vary::default() };
+        let training = Recipe { vary: Some(vary), ..recipe };
+        let testing = Recipe { split: Split::Test, ..training.clone() };
+        let skies = |recipe: &Recipe| {
+            let props = Props::load(recipe).expect("no files");
+            (0..32).map(|seed| props.environment(seed).expect("a sky").clone()).collect::<Vec<_>>()
+        };
+        let (training, again, testing) = (skies(&training), skies(&training), skies(&testing));
+        assert_eq!(training, again, "a seed has one sky");
+        let distinct = |skies: &[Arc<Environment>]| {
+            (0..skies.len()).filter(|index| !skies[..*index].contains(&skies[*index])).count()
+        };
+        assert_eq!(distinct(&training), 3);
+        assert!(testing.iter().all(|sky| !training.contains(sky)));
+    }
 }

@@ -321,6 +321,8 @@ fn keys_that_an_effect_lacks_or_does_not_know_are_named() {
     assert!(error.contains("`vary.fog.smoke_share` must be 0 to 1"), "{error}");
     let none = Vary { textures: Some(Textures::Procedural(0)), ..Vary::default() };
     assert!(refused(Effect::Aa, &none).contains("`vary.textures.procedural` must be 1 to 512"));
+    let one = Vary { environment: Some(Surroundings::Skies(1)), ..Vary::default() };
+    assert!(refused(Effect::Do, &one).contains("`vary.environment.skies` must be 2 to 256"));
 }
 
 /// A triangle whose node moves evenly along x, from the origin to 4 m in the first two seconds, above another

@@ -6,7 +6,7 @@ const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 
 fn correcting() -> NetSpec {
     let inputs = vec![Attribute::Normal, Attribute::Openness, Attribute::RawOpenness];
-    let estimates = vec![AnalyticEstimate { method: "gtao".to_owned(), quality: "high".to_owned() }];
+    let estimates = vec![AnalyticEstimate::new("gtao", "high")];
     let correction = Correction {
         of: Attribute::Openness,
         over: Attribute::RawOpenness,

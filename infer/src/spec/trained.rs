@@ -33,7 +33,7 @@ pub struct Outside {
     pub pixels: f32,
     /// Share of them whose depth is.
     pub depths: f32,
-    /// Whether the frame has fewer or more rows.
+    /// Whether the frame has far fewer or more rows.
     pub rows: bool,
 }
 
@@ -41,6 +41,8 @@ pub struct Outside {
 const LEFT_OUT: f32 = 0.01;
 /// By this factor a frame may go beyond a range of pixels or depths before that is said.
 const SLACK: f32 = 1.25;
+/// By this factor it may have fewer or more rows: what matters is how many pixels the effect reaches.
+const SLACK_OF_ROWS: usize = 2;
 /// From this share of the pixels on it is said.
 const NOTICEABLE: f32 = 0.05;
 
@@ -83,7 +85,8 @@ impl Trained {
             outside.count() as f32 / values.len().max(1) as f32
         };
         let height = gbuffer.height();
-        let rows = height < self.rows[0] || height > self.rows[1];
+        let [least, most] = self.rows;
+        let rows = height * SLACK_OF_ROWS < least || height > most.saturating_mul(SLACK_OF_ROWS);
         Ok(Outside { pixels: share(&pixels, self.pixels), depths: share(&depths, self.depths), rows })
     }
 }
@@ -153,7 +156,10 @@ mod tests {
         assert!(close(trained.pixels, [8.0, 32.0]) && close(trained.depths, [2.0, 8.0]), "{trained:?}");
         let inside = trained.outside(&near, 0.4).expect("positions");
         assert_eq!((inside.pixels, inside.rows, inside.warning(&trained)), (0.0, false, None));
-        let outside = trained.outside(&wall(32, 1.0), 5.0).expect("positions");
+        let rows =
+            [31, 32, 192, 193].map(|rows| trained.outside(&wall(rows, 1.0), 0.5).expect("positions").rows);
+        assert_eq!(rows, [true, false, false, true], "half and twice as many are like those");
+        let outside = trained.outside(&wall(31, 1.0), 5.0).expect("positions");
         assert_eq!((outside.pixels, outside.depths, outside.rows), (1.0, 1.0, true));
         let warning = outside.warning(&trained).expect("it is unlike");
         assert!(warning.contains("radius of 100 % of the pixels is not 8 to 32 pixels"), "{warning}");

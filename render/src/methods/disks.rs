@@ -52,7 +52,12 @@ pub struct DiskEffect<M: ByDisks> {
     pub passes: M::Passes,
     /// Its image of a scene's disks in plain Rust, `[channels, height, width]`.
     pub plain: fn(&Plain<'_, M>, &[Disk]) -> Result<Planes, MissingAttribute>,
+    /// The same by a faster way on the processor, where there is one.
+    pub on_processor: Option<DiskImage<M>>,
 }
+
+/// An image of disks, `[channels, height, width]`.
+pub type DiskImage<M> = fn(&Plain<'_, M>, &[Disk]) -> Planes;
 
 /// What the plain version reads.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +88,21 @@ impl<M: ByDisks> Disks<M> {
     pub fn new(parameters: M, effect: DiskEffect<M>) -> Self {
         Self { parameters: parameters.sane(), effect }
     }
+
+    /// What is made of a scene's disks.
+    fn written(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+        image: impl Fn(&Plain<'_, M>, &[Disk]) -> Result<Planes, MissingAttribute>,
+    ) -> Result<Written, MissingAttribute> {
+        let PlainInputs { gbuffer, environment, .. } = *inputs;
+        let (surface, parameters) = (&Surface::of(gbuffer)?, &self.parameters);
+        inputs.image_of_scene(|scene| {
+            let disks = laid(scene, parameters.surfels(), view, self.effect.lit);
+            image(&Plain { gbuffer, surface, scene, environment, parameters, view }, &disks)
+        })
+    }
 }
 
 impl<M: ByDisks> Technique for Disks<M> {
@@ -99,11 +119,15 @@ impl<M: ByDisks> Technique for Disks<M> {
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        let PlainInputs { gbuffer, environment, .. } = *inputs;
-        let (surface, parameters) = (&Surface::of(gbuffer)?, &self.parameters);
-        inputs.image_of_scene(|scene| {
-            let disks = laid(scene, parameters.surfels(), view, self.effect.lit);
-            (self.effect.plain)(&Plain { gbuffer, surface, scene, environment, parameters, view }, &disks)
-        })
+        self.written(inputs, view, self.effect.plain)
+    }
+
+    fn on_processor(
+        &self,
+        inputs: &PlainInputs<'_>,
+        view: &View,
+    ) -> Option<Result<Written, MissingAttribute>> {
+        let image = self.effect.on_processor?;
+        Some(self.written(inputs, view, |plain, disks| Ok(image(plain, disks))))
     }
 }

@@ -1,21 +1,20 @@
 //! Images that cheap methods make for networks to read, on the processor: attributes like any other.
 
-use super::{Quality, Surface, gtao, surfel};
+use super::{Quality, all};
 use crate::bvh::TracedScene;
 use crate::scene::Camera;
-use crate::screen::View;
-use crate::surfels::{self, SurfelLight};
-use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
+use crate::screen::{About, PlainInputs, ScreenMethod, Technique, View};
+use deepshade_shaders::effect::LitBy;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
+use std::sync::Arc;
 use thiserror::Error;
 
-/// A method that makes what a network reads, with its parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Estimator {
-    /// Openness, with and without its blur.
-    Gtao(gtao::GtaoParameters),
-    /// Indirect light, of surfaces that the camera does not see, too.
-    Surfel(surfel::SurfelParameters),
+/// A method that makes what a network reads, at a quality.
+#[derive(Clone, Debug)]
+pub struct Estimator {
+    technique: Arc<dyn Technique>,
 }
 
 /// What an estimate is made of, for an effect that reaches `radius` metres.
@@ -35,8 +34,15 @@ pub struct EstimateInputs<'a> {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum EstimateError {
     /// No such method makes estimates.
-    #[error("no method `{0}` makes estimates for networks; gtao and surfel do")]
-    Unknown(String),
+    #[error("no method `{method}` makes estimates of `{effect}` for networks; {known}")]
+    Unknown {
+        /// The method.
+        method: String,
+        /// The effect.
+        effect: Effect,
+        /// Which do.
+        known: String,
+    },
     /// It is not METHOD:QUALITY.
     #[error("`{0}` is not METHOD:QUALITY, such as gtao:high")]
     Form(String),
@@ -59,60 +65,80 @@ pub enum EstimateError {
     },
 }
 
+/// Whether a method has to know the scene: it looks beyond the screen, or at the environment.
+fn reads_scene(about: &About) -> bool {
+    about.looks_beyond || about.effect.lit_by() == LitBy::Environment
+}
+
+/// Whether networks read a method's images: of `ao` those of the screen alone, which are blurred last, and
+/// of light those that follow from the scene, which are there before light is exposed.
+fn makes_estimates(about: &About) -> bool {
+    reads_scene(about) != (about.effect == Effect::Ao)
+}
+
 impl Estimator {
-    /// The method of that name at a quality.
+    /// An effect's method of that name at a quality.
     ///
     /// # Errors
     /// If there is none.
-    pub fn named(method: &str, quality: &str) -> Result<Self, EstimateError> {
+    pub fn named(effect: Effect, method: &str, quality: &str) -> Result<Self, EstimateError> {
         let known = Quality::ALL.into_iter().find(|known| known.name() == quality);
         let quality = known.ok_or_else(|| EstimateError::Quality(quality.to_owned()))?;
-        match method {
-            "gtao" => Ok(Self::Gtao(gtao::GtaoParameters::of(quality))),
-            "surfel" => Ok(Self::Surfel(surfel::SurfelParameters::of(quality))),
-            other => Err(EstimateError::Unknown(other.to_owned())),
+        let of_effect = all().iter().filter(|entry| entry.effect == effect);
+        let techniques = of_effect.filter_map(|entry| entry.technique(quality));
+        let mut known: Vec<Self> = techniques.map(|technique| Self { technique }).collect();
+        known.retain(|estimator| makes_estimates(&estimator.about()));
+        if let Some(found) = known.iter().position(|estimator| estimator.method() == method) {
+            return Ok(known.swap_remove(found));
         }
+        let names: Vec<&str> = known.iter().map(Self::method).collect();
+        let known = if names.is_empty() { "none does".to_owned() } else { names.join(" and ") + " do" };
+        Err(EstimateError::Unknown { method: method.to_owned(), effect, known })
     }
 
     /// That of a text `METHOD:QUALITY`.
     ///
     /// # Errors
     /// If there is none.
-    pub fn parse(text: &str) -> Result<Self, EstimateError> {
+    pub fn parse(effect: Effect, text: &str) -> Result<Self, EstimateError> {
         let (method, quality) = text.split_once(':').ok_or_else(|| EstimateError::Form(text.to_owned()))?;
-        Self::named(method, quality)
+        Self::named(effect, method, quality)
+    }
+
+    /// The method on an adapter.
+    pub fn on(&self, gpu: &Gpu) -> ScreenMethod {
+        ScreenMethod::of(gpu, Arc::clone(&self.technique))
+    }
+
+    fn about(&self) -> About {
+        self.technique.about()
     }
 
     /// Its method's name.
-    pub const fn method(&self) -> &'static str {
-        match self {
-            Self::Gtao(_) => "gtao",
-            Self::Surfel(_) => "surfel",
-        }
+    pub fn method(&self) -> &'static str {
+        self.about().name
     }
 
-    /// What it makes: its image, then the image before the method's own blur, where networks read that.
-    pub const fn makes(&self) -> &'static [Attribute] {
-        match self {
-            Self::Gtao(_) => &[Attribute::Openness, Attribute::RawOpenness],
-            Self::Surfel(_) => &[Attribute::IndirectLight],
+    /// What it makes: its image, then, of `ao`, the image before the method's own blur.
+    pub fn makes(&self) -> &'static [Attribute] {
+        match self.about().effect {
+            Effect::Ao => &[Attribute::Openness, Attribute::RawOpenness],
+            _ => &[Attribute::Estimate],
         }
     }
 
     /// What it reads of a g-buffer.
-    pub const fn reads(&self) -> &'static [Attribute] {
-        match self {
-            Self::Gtao(_) | Self::Surfel(_) => &[Attribute::Position, Attribute::Normal, Attribute::Valid],
-        }
+    pub fn reads(&self) -> &'static [Attribute] {
+        self.about().attributes
     }
 
-    /// Whether it looks beyond the screen, so that it has to know the scene.
-    pub const fn reads_scene(&self) -> bool {
-        matches!(self, Self::Surfel(_))
+    /// Whether it looks beyond the screen, or at the environment, so that it has to know the scene.
+    pub fn reads_scene(&self) -> bool {
+        reads_scene(&self.about())
     }
 
     /// That the scene is not known and has to be.
-    pub const fn wants_scene(&self) -> EstimateError {
+    pub fn wants_scene(&self) -> EstimateError {
         EstimateError::Scene { layer: self.makes()[0].name(), method: self.method() }
     }
 
@@ -121,39 +147,39 @@ impl Estimator {
         self.makes().iter().all(|made| gbuffer.attributes().contains(made))
     }
 
-    /// What it makes of a frame, plane after plane.
+    /// What it makes of a frame, plane after plane, in vector instructions where the method has such a
+    /// version.
     ///
     /// # Errors
     /// If the g-buffer lacks an attribute, or the scene is not known and has to be.
     pub fn on_processor(&self, inputs: &EstimateInputs<'_>) -> Result<Vec<f32>, EstimateError> {
-        let surface = Surface::of(inputs.gbuffer)?;
-        match self {
-            Self::Gtao(parameters) => {
-                let [raw, _, blurred] = gtao::on_processor(parameters, &surface, &view(inputs)?);
-                Ok([blurred.data(), raw.data()].concat())
-            }
-            Self::Surfel(parameters) => {
-                let (scene, camera) = inputs.scene.ok_or_else(|| self.wants_scene())?;
-                let view = View { camera: *camera, ..view(inputs)? };
-                let disks =
-                    surfels::reference::laid(scene, &parameters.surfels, &view, Some(SurfelLight::Reflected));
-                Ok(surfel::splat::light(&surface, &disks, parameters, &view).data().to_vec())
-            }
-        }
+        let scene = match self.reads_scene() {
+            true => Some(inputs.scene.ok_or_else(|| self.wants_scene())?),
+            false => None,
+        };
+        let seen = view(inputs)?;
+        let view = View { camera: scene.map_or(seen.camera, |(_, camera)| *camera), ..seen };
+        let environment = scene.and_then(|(scene, _)| scene.scene().environment.as_deref());
+        let plain =
+            PlainInputs { gbuffer: inputs.gbuffer, environment, scene: scene.map(|(scene, _)| scene) };
+        let by_vectors = self.technique.on_processor(&plain, &view);
+        let mut written = by_vectors.unwrap_or_else(|| self.technique.reference(&plain, &view))?;
+        let image = written.pop().unwrap_or_default();
+        let raw = if self.makes().len() > 1 { written.swap_remove(0) } else { Vec::new() };
+        Ok([image, raw].concat())
     }
 }
 
-/// A g-buffer with what methods estimate of it, by their names and qualities, as far as it has it not.
+/// A g-buffer with what methods estimate of it, as far as it has it not.
 ///
 /// # Errors
-/// If there is no such method, or it lacks what it reads.
-pub fn with_estimates<'a>(
+/// If it lacks what a method reads.
+pub fn with_estimates(
     inputs: &EstimateInputs<'_>,
-    methods: impl IntoIterator<Item = (&'a str, &'a str)>,
+    estimators: &[Estimator],
 ) -> Result<GBuffer, EstimateError> {
     let mut with = inputs.gbuffer.clone();
-    for (method, quality) in methods {
-        let estimator = Estimator::named(method, quality)?;
+    for estimator in estimators {
         if !estimator.is_made(&with) {
             with = with.with(estimator.makes(), &estimator.on_processor(inputs)?);
         }
@@ -174,21 +200,23 @@ fn view(inputs: &EstimateInputs<'_>) -> Result<View, MissingAttribute> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::{Frame, Method, Repeats};
-    use crate::methods::disks::Disks;
-    use crate::methods::march;
+    use crate::method::{Frame, Repeats};
     use crate::methods::proving::{beyond, still_life, view as seen};
-    use crate::scene::procedural::Family;
-    use crate::screen::ScreenMethod;
+    use crate::methods::{Surface, gtao, march};
+    use crate::scene::procedural::{Family, sky};
     use deepshade_shaders::Planes;
-    use deepshade_shaders::gpu::Gpu;
+
+    fn estimators(methods: &[(Effect, &str)]) -> Vec<Estimator> {
+        let low = |(effect, method): &(Effect, &str)| Estimator::named(*effect, method, "low");
+        methods.iter().map(low).collect::<Result<_, _>>().expect("known")
+    }
 
     #[test]
     fn an_estimate_is_the_methods_image_though_nobody_says_the_camera() {
         let (height, width) = (31, 45);
         let gbuffer = still_life(height, width);
         let of = |gbuffer| EstimateInputs { gbuffer, radius: 1.0, seed: 11, scene: None };
-        let with = with_estimates(&of(&gbuffer), [("gtao", "low")]).expect("estimates");
+        let with = with_estimates(&of(&gbuffer), &estimators(&[(Effect::Ao, "gtao")])).expect("estimates");
         let parameters = gtao::GtaoParameters::of(Quality::Low);
         let view = View { seed: 11, ..seen(height, width, 1.0) };
         let surface = Surface::of(&gbuffer).expect("all attributes");
@@ -199,41 +227,60 @@ mod tests {
             let far = made.data().iter().zip(expected.data()).filter(|(a, b)| (*a - *b).abs() > 0.05).count();
             assert!(far * 100 < made.data().len(), "{attribute:?}: {far} pixels");
         }
-        assert_eq!(with_estimates(&of(&with), [("gtao", "low")]), Ok(with.clone()), "made once");
+        assert_eq!(
+            with_estimates(&of(&with), &estimators(&[(Effect::Ao, "gtao")])),
+            Ok(with.clone()),
+            "made once"
+        );
     }
 
     #[test]
     fn what_is_not_there_is_named() {
         let gbuffer = still_life(8, 8);
         let of = |gbuffer| EstimateInputs { gbuffer, radius: 1.0, seed: 1, scene: None };
-        let refused =
-            |method, quality| with_estimates(&of(&gbuffer), [(method, quality)]).map_err(|e| e.to_string());
-        assert!(refused("ssao", "low").is_err_and(|error| error.contains("`ssao`")));
-        assert!(refused("gtao", "best").is_err_and(|error| error.contains("`best`")));
+        let refused = |effect, method, quality| {
+            let estimator = Estimator::named(effect, method, quality).map_err(|error| error.to_string())?;
+            with_estimates(&of(&gbuffer), &[estimator]).map_err(|error| error.to_string())
+        };
+        let unknown = refused(Effect::Ao, "ssao", "low");
+        assert!(unknown.is_err_and(|error| error.contains("`ssao`") && error.contains("gtao and hbao do")));
+        assert!(refused(Effect::Ao, "surfel", "low").is_err_and(|error| error.contains("`surfel`")));
+        assert!(refused(Effect::Ao, "gtao", "best").is_err_and(|error| error.contains("`best`")));
         let blind = GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 2, 2, 1.0));
-        let missing = with_estimates(&of(&blind), [("gtao", "low")]);
+        let missing = with_estimates(&of(&blind), &estimators(&[(Effect::Ao, "gtao")]));
         assert!(matches!(missing, Err(EstimateError::Missing(_))));
-        let unknown = refused("surfel", "low");
-        assert!(unknown.is_err_and(|error| error.contains("`indirect_light`") && error.contains("scene")));
-        assert_eq!(Estimator::parse("gtao"), Err(EstimateError::Form("gtao".to_owned())));
+        for (effect, method) in [(Effect::Gi, "surfel"), (Effect::Do, "ssdo")] {
+            let unknown = refused(effect, method, "low");
+            assert!(unknown.is_err_and(|error| error.contains("`estimate`") && error.contains("scene")));
+        }
+        let form = Estimator::parse(Effect::Ao, "gtao").map(|_| ());
+        assert_eq!(form, Err(EstimateError::Form("gtao".to_owned())));
+    }
+
+    /// What a method makes on the processor and in its passes, low, in a room.
+    fn on_processor_and_in_passes(effect: Effect, method: &str) -> [Planes; 2] {
+        let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+        let (scene, view, gbuffer) = beyond::seen(Family::Room, 48, 64);
+        let mut look = scene.scene().look();
+        look.environment = Some(Arc::new(sky(1)));
+        let scene = scene.with_look(look).expect("traced");
+        let frame =
+            Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 3 };
+        let estimators = estimators(&[(effect, method)]);
+        let passes = estimators[0].on(&gpu).shade_in_passes(&frame, Repeats::ONCE).expect("shades").image;
+        let scene = Some((&scene, &view.camera));
+        let inputs = EstimateInputs { gbuffer: &gbuffer, radius: view.radius, seed: 3, scene };
+        let with = with_estimates(&inputs, &estimators).expect("estimates");
+        [with.select(&[Attribute::Estimate]).expect("it was made"), passes]
+    }
+
+    fn mean(image: &Planes) -> f32 {
+        image.data().iter().sum::<f32>() / image.data().len() as f32
     }
 
     #[test]
     fn surfels_of_a_scene_make_the_methods_own_image() {
-        let gpu = Gpu::new().expect("an adapter; lavapipe will do");
-        let (scene, view, gbuffer) = beyond::seen(Family::Room, 48, 64);
-        let frame =
-            Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 3 };
-        let method = ScreenMethod::new(
-            &gpu,
-            Disks::new(surfel::SurfelParameters::of(Quality::Low), surfel::indirect::INDIRECT),
-        );
-        let expected = method.shade(&frame, Repeats::ONCE).expect("shades").image;
-        let scene = Some((&scene, &view.camera));
-        let inputs = EstimateInputs { gbuffer: &gbuffer, radius: view.radius, seed: 3, scene };
-        let with = with_estimates(&inputs, [("surfel", "low")]).expect("estimates");
-        let made = with.select(&[Attribute::IndirectLight]).expect("it was made");
-        let mean = |image: &Planes| image.data().iter().sum::<f32>() / image.data().len() as f32;
+        let [made, expected] = on_processor_and_in_passes(Effect::Gi, "surfel");
         assert!(mean(&expected) > 1e-4, "{}", mean(&expected));
         // Shadows of maps and of rays differ, and so do a few surfels that are rounded another way.
         assert!((mean(&made) / mean(&expected) - 1.0).abs() < 0.05, "{} {}", mean(&made), mean(&expected));
@@ -243,5 +290,14 @@ mod tests {
             .zip(expected.data())
             .filter(|(a, b)| (*a - *b).abs() > 0.1 * b.abs() + 0.01 * mean(&expected));
         assert!(off.count() * 10 < made.data().len());
+    }
+
+    #[test]
+    fn light_of_the_environment_is_that_of_the_methods_passes() {
+        let [made, expected] = on_processor_and_in_passes(Effect::Do, "ssdo");
+        assert!(mean(&expected) > 1e-2, "{}", mean(&expected));
+        let both = made.data().iter().zip(expected.data());
+        let off = both.filter(|(a, b)| (*a - *b).abs() > 0.02 * b.abs() + 1e-3).count();
+        assert!(off * 100 < made.data().len(), "{off} of {} values", made.data().len());
     }
 }

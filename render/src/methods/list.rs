@@ -16,7 +16,7 @@ use crate::screen::{ScreenMethod, Technique};
 use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::Gpu;
 use std::convert::identity;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// A method that can be asked for by name.
 pub struct Entry {
@@ -24,11 +24,14 @@ pub struct Entry {
     pub name: &'static str,
     /// What it computes.
     pub effect: Effect,
-    /// Whether it shades the screen in passes.
-    pub is_on_screen: bool,
     dials: Box<dyn Fn(Quality) -> Vec<Dial> + Send + Sync>,
+    /// Of one that shades the screen in passes.
+    technique: Option<Box<AtQuality>>,
     open: Box<Opening>,
 }
+
+/// What a method is at a quality.
+type AtQuality = dyn Fn(Quality) -> Arc<dyn Technique> + Send + Sync;
 
 /// How a method is opened, on an adapter, with what is set.
 type Opening = dyn Fn(&Gpu, &Tuning) -> Result<Opened, DialError> + Send + Sync;
@@ -45,6 +48,16 @@ impl Entry {
     /// What can be set of it, in a quality.
     pub fn dials(&self, quality: Quality) -> Vec<Dial> {
         (self.dials)(quality)
+    }
+
+    /// Whether it shades the screen in passes.
+    pub const fn is_on_screen(&self) -> bool {
+        self.technique.is_some()
+    }
+
+    /// What it is at a quality, apart from a device; none of one that does not shade the screen in passes.
+    pub fn technique(&self, quality: Quality) -> Option<Arc<dyn Technique>> {
+        self.technique.as_ref().map(|technique| technique(quality))
     }
 
     /// The method, on an adapter if it shades the screen in passes.
@@ -111,14 +124,14 @@ fn entries() -> Vec<Entry> {
 /// A method that shades the screen in passes: the parameters of a quality, and what they make.
 fn screen<P: Tunable + 'static, T: Technique + 'static>(
     of: fn(Quality) -> P,
-    technique: impl Fn(P) -> T + Send + Sync + 'static,
+    technique: impl Fn(P) -> T + Copy + Send + Sync + 'static,
 ) -> Entry {
     let about = technique(of(Quality::default())).about();
     Entry {
         name: about.name,
         effect: about.effect,
-        is_on_screen: true,
         dials: Box::new(move |quality| dials::dials(&of(quality))),
+        technique: Some(Box::new(move |quality| Arc::new(technique(of(quality))))),
         open: Box::new(move |gpu, tuning| {
             Ok(Opened::Screen(Box::new(ScreenMethod::new(gpu, technique(tuning.parameters(of)?)))))
         }),
@@ -136,8 +149,8 @@ fn processor<P: Tunable + 'static, M: Method + 'static>(of: fn(Quality) -> P, me
     Entry {
         name: usual.name(),
         effect: usual.effect(),
-        is_on_screen: false,
         dials: Box::new(move |quality| dials::dials(&of(quality))),
+        technique: None,
         open: Box::new(move |_, tuning| Ok(Opened::Processor(Box::new(method(tuning.parameters(of)?))))),
     }
 }

@@ -67,7 +67,7 @@ fn value(attribute: Attribute) -> &'static str {
         Attribute::Light | Attribute::DiffuseLight => unreachable!("light has a pass of its own"),
         Attribute::Openness
         | Attribute::RawOpenness
-        | Attribute::IndirectLight
+        | Attribute::Estimate
         | Attribute::Relief
         | Attribute::PixelRadius
         | Attribute::Border => unreachable!("no scene has it"),

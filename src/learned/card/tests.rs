@@ -4,9 +4,10 @@ use super::*;
 use crate::engine::Engine;
 use crate::learned::Learned;
 use crate::learned::estimates::SEED;
-use deepshade_infer::{ChannelOrder, Model, Reach, Weights};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, Model, Reach, Weights};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
+use deepshade_render::method::Method;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 
@@ -27,8 +28,8 @@ fn random(spec: NetSpec) -> Model {
 
 /// The network that corrects gtao's estimate.
 fn corrected() -> Model {
-    let estimate = deepshade_infer::AnalyticEstimate { method: "gtao".to_owned(), quality: "low".to_owned() };
-    random(NetSpec::corrected(Effect::Ao, 8, estimate, REACH).expect("it has one"))
+    let estimate = AnalyticEstimate::new("gtao", "low");
+    random(NetSpec::corrected(Effect::Ao, 8, vec![estimate], REACH).expect("it has one"))
 }
 
 /// What the passes estimate, plane after plane.
@@ -52,7 +53,7 @@ fn passes_and_processor_estimate_the_same() {
     let gpu = Gpu::new().expect("an adapter");
     let gbuffer = stairs();
     let passes = estimated_by_card(&gpu, &gbuffer, 0.5);
-    let estimator = Estimator::named("gtao", "low").expect("known");
+    let estimator = Estimator::named(Effect::Ao, "gtao", "low").expect("known");
     let inputs = EstimateInputs { gbuffer: &gbuffer, radius: 0.5, seed: SEED, scene: None };
     let vectors = estimator.on_processor(&inputs).expect("runs");
     assert_eq!(passes.len(), 2 * SIZE[0] * SIZE[1]);
@@ -63,7 +64,7 @@ fn passes_and_processor_estimate_the_same() {
 }
 
 #[test]
-fn indirect_light_is_corrected_of_a_scene_or_of_a_layer_that_has_it() {
+fn surfels_are_corrected_of_a_scene_or_of_a_layer_that_has_it() {
     let gpu = Gpu::new().expect("an adapter");
     let room: SceneSource = "room:7".parse().expect("a family");
     let scene = TracedScene::new(room.scene(0.0).expect("a scene")).expect("a scene");
@@ -72,9 +73,10 @@ fn indirect_light_is_corrected_of_a_scene_or_of_a_layer_that_has_it() {
     let gbuffer = gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL);
     let radius = 0.2 * bounds.diagonal();
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: 0 };
-    let estimate =
-        deepshade_infer::AnalyticEstimate { method: "surfel".to_owned(), quality: "low".to_owned() };
-    let mut model = random(NetSpec::corrected(Effect::Gi, 8, estimate, REACH).expect("it has one"));
+    let openness = AnalyticEstimate::new("gtao", "low").of(Effect::Ao);
+    let estimates = [AnalyticEstimate::new("surfel", "low"), openness];
+    let spec = NetSpec::corrected(Effect::Gi, 8, estimates.to_vec(), REACH).expect("it has one");
+    let mut model = random(spec);
     // It leaves the estimate as it is.
     let last = model.weights.0.last_mut().expect("a layer");
     last.weight.fill(0.0);
@@ -87,8 +89,8 @@ fn indirect_light_is_corrected_of_a_scene_or_of_a_layer_that_has_it() {
     let (a, b) = (mean(&by_processor), mean(&by_card));
     assert!(a > 1e-4 && (a / b - 1.0).abs() < 0.05, "{a} on the processor, {b} on the card");
     let refused = processor.image(&gbuffer, radius, Repeats::ONCE).expect_err("nobody knows the scene");
-    assert!(refused.to_string().contains("`indirect_light`"), "{refused}");
-    let with = gbuffer.with(&[Attribute::IndirectLight], by_processor.data());
+    assert!(refused.to_string().contains("`estimate`"), "{refused}");
+    let with = gbuffer.with(&[Attribute::Estimate], by_processor.data());
     let of_layer = processor.image(&with, radius, Repeats::ONCE).expect("it has the layer").image;
     assert!(difference(&by_processor, &of_layer) < 1e-5);
 }

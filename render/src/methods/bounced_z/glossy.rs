@@ -28,4 +28,5 @@ pub const GLOSSY: DiskEffect<BouncedZParameters> = DiskEffect {
         let arriving = Arriving { effect: Effect::Glossy, ..LIGHT };
         Ok(shade(surface, &lobe, disks, arriving, (plain.parameters, plain.view)))
     },
+    on_processor: None,
 };

@@ -32,6 +32,7 @@ pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {
         let matte = Matte::all_over(plain.surface);
         Ok(shade(plain.surface, &matte, disks, LIGHT, (plain.parameters, plain.view)))
     },
+    on_processor: None,
 };
 
 /// The effect `phosphor-gi`.

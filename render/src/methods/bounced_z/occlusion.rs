@@ -26,4 +26,5 @@ pub const OCCLUSION: DiskEffect<BouncedZParameters> = DiskEffect {
         let matte = Matte::all_over(plain.surface);
         Ok(shade(plain.surface, &matte, disks, SKY, (plain.parameters, plain.view)))
     },
+    on_processor: None,
 };

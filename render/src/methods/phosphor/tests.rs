@@ -7,7 +7,7 @@ use super::glassner::GlassnerParameters as Moments;
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::method::{Frame, Method, Repeats};
+use crate::method::{Frame, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::prove_twin;
 use crate::scene::glow::tests::glow;
@@ -76,9 +76,9 @@ fn room() -> (TracedScene, View, GBuffer) {
     seen(scene(vec![floor(), wall()], lights, glow), camera(), [37, 53])
 }
 
-fn shaded(method: &impl Method, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
+fn shaded(method: &ScreenMethod, (scene, view, gbuffer): &(TracedScene, View, GBuffer)) -> Planes {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
-    method.shade(&frame, Repeats::ONCE).expect("an image").image
+    method.shade_in_passes(&frame, Repeats::ONCE).expect("an image").image
 }
 
 /// The shares that the last pass but one has written.

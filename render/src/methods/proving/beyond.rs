@@ -4,7 +4,7 @@
 use super::{Tolerance, agree, prove_comparator, view};
 use crate::bvh::TracedScene;
 use crate::gbuffer;
-use crate::method::{Frame, Method, Repeats};
+use crate::method::{Frame, Repeats};
 use crate::methods::lobe;
 use crate::scene::medium::Weather;
 use crate::scene::procedural::Family;
@@ -164,7 +164,7 @@ pub fn prove_twin(
 ) {
     let frame = Frame { scene, camera: &view.camera, gbuffer, radius: view.radius, seed: view.seed };
     let [image, again] =
-        [0, 1].map(|_| Method::shade(method, &frame, Repeats::ONCE).expect("an image").image);
+        [0, 1].map(|_| method.shade_in_passes(&frame, Repeats::ONCE).expect("an image").image);
     assert_eq!(image.data(), again.data(), "the same frame twice");
     let inputs =
         PlainInputs { gbuffer, environment: scene.scene().environment.as_deref(), scene: Some(scene) };

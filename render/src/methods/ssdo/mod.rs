@@ -70,7 +70,7 @@ impl SsdoParameters {
     }
 
     /// What the environment is filtered into; black without one.
-    fn filtered(&self, environment: Option<&Environment>) -> EnvironmentMap {
+    pub fn filtered(&self, environment: Option<&Environment>) -> EnvironmentMap {
         let black = Environment::uniform(Vec3::ZERO);
         EnvironmentMap::new(environment.unwrap_or(&black), self.environment_height.max(1))
     }

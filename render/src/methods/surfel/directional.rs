@@ -29,6 +29,7 @@ pub const DIRECTIONAL: DiskEffect<SurfelParameters> = DiskEffect {
         ending: Ending::Open,
     },
     plain,
+    on_processor: None,
 };
 
 /// What surfaces and surfels look up of an environment.

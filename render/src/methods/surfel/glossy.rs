@@ -39,6 +39,7 @@ pub const GLOSSY: DiskEffect<SurfelParameters> = DiskEffect {
         ending: Ending::Reflected,
     },
     plain,
+    on_processor: None,
 };
 
 /// The image in plain Rust.

@@ -7,7 +7,7 @@
 
 use super::around::Ending;
 use super::reference::{self, LIGHT};
-use super::{SurfelParameters, passes::Shading};
+use super::{SurfelParameters, passes::Shading, splat};
 use crate::methods::disks::{DiskEffect, SURFACE};
 use crate::surfels::{SurfelLight, Tree};
 use deepshade_shaders::Effect;
@@ -26,8 +26,9 @@ pub const INDIRECT: DiskEffect<SurfelParameters> = DiskEffect {
         ending: Ending::Sum,
     },
     plain: |plain, disks| Ok(reference::sums(plain.surface, disks, LIGHT, plain.parameters, plain.view)),
+    on_processor: Some(|plain, disks| splat::light(plain.surface, disks, plain.parameters, plain.view)),
 };
 
 /// The effect `phosphor-gi`.
 pub const KEPT_LIGHT: DiskEffect<SurfelParameters> =
-    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), ..INDIRECT };
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), on_processor: None, ..INDIRECT };

@@ -20,4 +20,5 @@ pub const OCCLUSION: DiskEffect<SurfelParameters> = DiskEffect {
         ending: Ending::Sum,
     },
     plain: |plain, disks| Ok(reference::openness(plain.surface, disks, plain.parameters, plain.view)),
+    on_processor: None,
 };

@@ -68,6 +68,7 @@ pub const SCATTERING: DiskEffect<SurfelParameters> = DiskEffect {
         ending: Ending::Scattered,
     },
     plain,
+    on_processor: None,
 };
 
 /// The image in plain Rust.

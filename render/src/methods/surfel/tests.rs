@@ -243,7 +243,7 @@ fn an_effect_that_reaches_nowhere_does_nothing() {
     let image = Method::shade(&open, &frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|open| *open == 1.0));
     let indirect = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
-    let image = Method::shade(&indirect, &frame, Repeats::ONCE).expect("an image").image;
+    let image = indirect.shade_in_passes(&frame, Repeats::ONCE).expect("an image").image;
     assert!(image.data().iter().all(|light| *light == 0.0));
 }
 
