@@ -18,7 +18,8 @@ pub fn corrected(spec: &NetSpec, correction: Correction, input: &Planes, made: &
         level: spec.last_level(),
         estimate: &estimate,
         pyramid: pyramid.as_ref(),
-        gain: correction.gain.then(|| estimate.channels() + correction.filter().tap_count()),
+        biases: correction.bias_count(estimate.channels()),
+        gain: correction.gain.then(|| correction.filter().tap_count()),
         made,
     };
     let (height, width) = (input.height(), input.width());
@@ -32,7 +33,9 @@ struct Row<'a> {
     level: usize,
     estimate: &'a Planes,
     pyramid: Option<&'a Light>,
-    /// Which channel of a pixel is the gain.
+    /// Channels of a pixel that are biases, before the weights.
+    biases: usize,
+    /// Which channel is the gain.
     gain: Option<usize>,
     made: &'a Planes,
 }
@@ -43,14 +46,15 @@ impl Row<'_> {
         let (channels, width) = (self.estimate.channels(), self.estimate.width());
         let begun = |channel: usize| &self.estimate.plane(channel)[y * width..][..width];
         let mut weights = vec![0.0; width];
-        let mut image = Vec::with_capacity(channels * width);
-        for channel in 0..channels {
+        let mut image: Vec<f32> = (0..channels).flat_map(begun).copied().collect();
+        for channel in 0..self.biases {
             unfold_row(self.made, self.level, channel, y, &mut weights);
-            image.extend(begun(channel).iter().zip(&weights).map(|(begun, bias)| begun + bias));
+            let image = &mut image[channel * width..][..width];
+            image.iter_mut().zip(&weights).for_each(|(image, bias)| *image += bias);
         }
         if let Some(pyramid) = self.pyramid {
             pyramid.visit_taps(y, width, |tap, channel, there| {
-                unfold_row(self.made, self.level, channels + tap, y, &mut weights);
+                unfold_row(self.made, self.level, self.biases + tap, y, &mut weights);
                 let (image, begun) = (&mut image[channel * width..][..width], begun(channel));
                 for x in 0..width {
                     image[x] += weights[x] * (there[x] - begun[x]);

@@ -17,7 +17,7 @@ pub fn filtered(filter: Filter, light: &Planes, made: &Planes) -> Planes {
 }
 
 /// The image, `[channels, height, width]`, of an estimate of that shape, of what its pyramid is of, padded,
-/// and of what the last block makes of the image's pixels, `[channels + weights, height, width]`.
+/// and of what the last block makes of the image's pixels, `[biases + weights, height, width]`.
 pub fn corrected(
     correction: Correction,
     [least, most]: [f32; 2],
@@ -26,16 +26,20 @@ pub fn corrected(
     made: &Planes,
 ) -> Planes {
     let pyramid = pyramid(over, correction.levels);
-    let biases = estimate.channels();
-    Planes::from_fn(biases, made.height(), made.width(), |c, y, x| {
+    let channels = estimate.channels();
+    let biases = correction.bias_count(channels);
+    Planes::from_fn(channels, made.height(), made.width(), |c, y, x| {
         let begun = estimate.at(c, y, x);
         let tap = |(index, Tap { level, offset }): (usize, Tap)| {
             let there = sample(&pyramid[level], level, c, [y, x], offset);
             made.at(biases + index, y, x) * (there - begun)
         };
         let sum: f32 = correction.taps().enumerate().map(tap).sum();
-        let gain = if correction.gain { made.at(made.channels() - 1, y, x) } else { 0.0 };
-        (begun + made.at(c, y, x) + sum + gain * begun).clamp(least, most)
+        let added = match correction.gain {
+            true => made.at(made.channels() - 1, y, x) * begun,
+            false => made.at(c, y, x),
+        };
+        (begun + added + sum).clamp(least, most)
     })
 }
 

@@ -21,12 +21,12 @@ pub enum Head {
 /// An estimate E of the image, of which the last block makes a better one: of every colour channel
 ///
 /// ```text
-/// image = E + bias + gain * E + sum over taps t of w(t) * (S(t) - E)
+/// image = E + (bias or gain * E) + sum over taps t of w(t) * (S(t) - E)
 /// ```
 ///
 /// within the effect's range, where S(t) are pixels of a pyramid of `over`, laid out and read as those of a
 /// [`Filter`]. Weights that are 0 leave the estimate as it is. The last block makes the bias of each channel,
-/// then the weights and the gain, which all channels share.
+/// where there is one, then the weights and the gain, which all channels share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {
@@ -38,7 +38,8 @@ pub struct Correction {
     pub levels: usize,
     /// Width and height of the kernel on every level; odd.
     pub kernel: usize,
-    /// Whether there is a gain, for light: what hides a share of it hides that of bright and of dim light.
+    /// Whether there is a gain in place of the bias, for light: what hides a share of it hides that of bright
+    /// and of dim light, and where there is none no network may add any.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub gain: bool,
 }
@@ -47,6 +48,11 @@ impl Correction {
     /// The taps, as those of a filter.
     pub const fn filter(&self) -> Filter {
         Filter { levels: self.levels, kernel: self.kernel, black: false }
+    }
+
+    /// Number of biases that a pixel of so many channels has.
+    pub const fn bias_count(&self, channels: usize) -> usize {
+        if self.gain { 0 } else { channels }
     }
 
     /// Number of weights that a pixel has: one a tap, and the gain.
@@ -85,7 +91,9 @@ impl NetSpec {
         match self.head {
             Head::Image => self.output_channels(),
             Head::Filter(filter) => filter.weight_count(),
-            Head::Correction(correction) => self.output_channels() + correction.weight_count(),
+            Head::Correction(correction) => {
+                correction.bias_count(self.output_channels()) + correction.weight_count()
+            }
         }
     }
 

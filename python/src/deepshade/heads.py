@@ -27,15 +27,15 @@ def filtered(head: Filter, light: Tensor, made: Tensor) -> Tensor:
 
 
 def corrected(head: Correction, estimate: Tensor, over: Tensor, made: Tensor) -> Tensor:
-    """`E + bias + gain * E + sum of w * (S - E)` of an estimate `E` and the pixels `S` of `over`, padded.
+    """`E + (bias or gain * E) + sum of w * (S - E)` of an estimate `E` and the pixels `S` of `over`, padded.
 
-    `made` is `[batch, channels + weights, height, width]`: the biases, the weights, then the gain.
+    `made` is `[batch, biases + weights, height, width]`: the biases, the weights, then the gain.
     """
-    biases = estimate.shape[1]
-    image = estimate + made[:, :biases]
+    biases = head.biases(estimate.shape[1])
+    image = estimate + (made[:, -1:] * estimate if head.gain else made[:, :biases])
     for tap, pixel in enumerate(taps(over, head.levels, head.kernel, made.shape[2:]), biases):
         image = image + made[:, tap : tap + 1] * (pixel - estimate)
-    return image + made[:, -1:] * estimate if head.gain else image
+    return image
 
 
 def taps(image: Tensor, levels: int, kernel: int, size: tuple[int, ...]) -> Iterator[Tensor]:

@@ -87,7 +87,7 @@ class Filter:
 
 @dataclass(frozen=True)
 class Correction:
-    """The last block makes what is added to an estimate: a bias, weights of pixels, a gain."""
+    """The last block makes what is added to an estimate: a bias or a gain, and weights of pixels."""
 
     #: The estimate, one of the network's inputs.
     of: str
@@ -96,6 +96,10 @@ class Correction:
     levels: int
     kernel: int
     gain: bool = False
+
+    def biases(self, channels: int) -> int:
+        """Number of biases that a pixel of so many channels has."""
+        return 0 if self.gain else channels
 
     @property
     def weights(self) -> int:
@@ -234,7 +238,7 @@ class NetSpec:
             case Filter():
                 return self.head.weights
             case Correction():
-                return self.output_channels + self.head.weights
+                return self.head.biases(self.output_channels) + self.head.weights
 
     @property
     def last_channels(self) -> int:

@@ -21,7 +21,7 @@ pub enum HeadKind {
     Correction {
         /// Which of the network's input channels the estimate begins with.
         estimate: u32,
-        /// Whether the last weight is a gain.
+        /// Whether the last weight is a gain, in place of a bias of each channel.
         gain: bool,
         /// The least and the greatest number of the image.
         range: [f32; 2],
@@ -52,8 +52,13 @@ impl Head {
         match self.kind {
             HeadKind::Unfold => self.channels,
             HeadKind::Filter { black } => taps + black as u32,
-            HeadKind::Correction { gain, .. } => self.channels + taps + gain as u32,
+            HeadKind::Correction { gain, .. } => self.biases() + taps + gain as u32,
         }
+    }
+
+    /// Of these, biases.
+    const fn biases(&self) -> u32 {
+        if matches!(self.kind, HeadKind::Correction { gain: false, .. }) { self.channels } else { 0 }
     }
 
     /// Whether there is anything for the passes before the last one to make.
@@ -113,6 +118,7 @@ impl Head {
             ("LEVELS", self.levels),
             ("KERNEL", self.kernel),
             ("BLACK", u32::from(black)),
+            ("BIASES", self.biases()),
             ("GAIN", u32::from(gain)),
             ("COUNT", self.count()),
             ("SQUARE", self.square),

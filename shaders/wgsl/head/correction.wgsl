@@ -1,6 +1,5 @@
-// The image of a network that corrects an estimate: a bias of each channel, a weighted sum of how far pixels
-// of a pyramid are from the estimate, and a gain where there is one, within the effect's range. Of what a
-// tile keeps.
+// The image of a network that corrects an estimate: a bias of each channel or a gain, and a weighted sum of how
+// far pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
 
 #import head/pyramid
 
@@ -8,14 +7,14 @@ fn image_at(pixel: vec2<u32>) -> vec4<f32> {
     let whole = level_at(0u, 0u, pixel);
     let begun = texel(whole, vec2<i32>(pixel));
     var image = begun;
-    for (var c = 0u; c < CHANNELS; c++) {
+    for (var c = 0u; c < BIASES; c++) {
         image[c] += made_by_net(c, pixel);
     }
     var first = CHANNELS * layer.width * layer.height;
     for (var index = 0u; index < LEVELS; index++) {
         let level = level_at(index, first, pixel);
         for (var tap = 0u; tap < AREA; tap++) {
-            let weight = made_by_net(CHANNELS + index * AREA + tap, pixel);
+            let weight = made_by_net(BIASES + index * AREA + tap, pixel);
             image += weight * (between(level, offset_of(tap)) - begun);
         }
         first += CHANNELS * u32(level.size.x * level.size.y);

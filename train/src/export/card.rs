@@ -66,10 +66,9 @@ pub(crate) fn last_layer(spec: &NetSpec) -> String {
     match spec.head {
         Head::Image => "makes the image".to_owned(),
         Head::Correction(Correction { of, over, levels, kernel, gain }) => format!(
-            "corrects `{}`: adds a bias{} and weights of `{}`, {kernel}x{kernel} at each of \
-             {levels} resolutions",
+            "corrects `{}`: adds a {} and weights of `{}`, {kernel}x{kernel} at each of {levels} resolutions",
             of.name(),
-            if gain { ", a gain" } else { "" },
+            if gain { "gain" } else { "bias" },
             over.name()
         ),
         Head::Filter(Filter { levels, kernel, black }) => {

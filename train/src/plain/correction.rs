@@ -10,19 +10,19 @@ use deepshade_infer::Correction;
 ///
 /// # Shapes
 /// `estimate` and `over` `[batch, channels, height, width]`, `made`
-/// `[batch, channels + weights, height, width]`, to `[batch, channels, height, width]`.
+/// `[batch, biases + weights, height, width]`, to `[batch, channels, height, width]`.
 pub fn corrected(correction: Correction, estimate: Tensor<4>, over: Tensor<4>, made: Tensor<4>) -> Tensor<4> {
     let [_, channels, _, _] = estimate.dims();
-    let bias = made.clone().narrow(1, 0, channels);
-    let count = correction.filter().tap_count();
-    let mut begun = estimate.clone() + bias;
-    if correction.gain {
-        begun = begun + estimate.clone() * made.clone().narrow(1, channels + count, 1);
-    }
+    let (biases, count) = (correction.bias_count(channels), correction.filter().tap_count());
+    let added = match correction.gain {
+        true => estimate.clone() * made.clone().narrow(1, count, 1),
+        false => made.clone().narrow(1, 0, channels),
+    };
+    let begun = estimate.clone() + added;
     if count == 0 {
         return begun;
     }
-    let weights = made.narrow(1, channels, count);
+    let weights = made.narrow(1, biases, count);
     let taps = taps(correction.filter(), over);
     let sum = |channel: usize| {
         let there = Tensor::cat(taps.iter().map(|tap| tap.clone().narrow(1, channel, 1)).collect(), 1);

@@ -28,23 +28,24 @@ impl Graph {
             spec.channels_of(correction.of).into_iter().map(|channel| channel as i64).collect();
         self.ints("estimate.of", &of);
         let estimate = self.node("Gather", "estimate", &[padded, "estimate.of"], vec![int("axis", 1)]);
-        let bias = self.part("bias", made, [0, channels]);
-        let mut image = self.node("Add", "biased", &[&estimate, &bias], vec![]);
         let filter = correction.filter();
+        let (biases, taps) = (correction.bias_count(channels as usize) as i64, filter.tap_count() as i64);
+        let added = match correction.gain {
+            true => {
+                let gain = self.part("gain", made, [taps, taps + 1]);
+                self.node("Mul", "gained", &[&estimate, &gain], vec![])
+            }
+            false => self.part("bias", made, [0, biases]),
+        };
+        let mut image = self.node("Add", "added", &[&estimate, &added], vec![]);
         if filter.tap_count() > 0 {
-            let weights = self.part("tap_weights", made, [channels, channels + filter.tap_count() as i64]);
+            let weights = self.part("tap_weights", made, [biases, biases + taps]);
             let taps = self.taps(spec, filter, padded);
             let there = self.weigh(&weights, &taps, channels as usize);
             let sum = self.node("ReduceSum", "weight", &[&weights, "over_taps"], vec![int("keepdims", 1)]);
             let here = self.node("Mul", "here", &[&estimate, &sum], vec![]);
             let differences = self.node("Sub", "differences", &[&there, &here], vec![]);
             image = self.node("Add", "corrected", &[&image, &differences], vec![]);
-        }
-        if correction.gain {
-            let last = channels + filter.tap_count() as i64;
-            let gain = self.part("gain", made, [last, last + 1]);
-            let gained = self.node("Mul", "gained", &[&estimate, &gain], vec![]);
-            image = self.node("Add", "with_gain", &[&image, &gained], vec![]);
         }
         let [least, most] = spec.effect.range();
         self.floats("least", &[], &[least]);
