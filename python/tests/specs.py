@@ -44,7 +44,7 @@ def trunk(channels: int, correction: Correction, effect: str, inputs: tuple[str,
         Block("residual", Plain(0), 3, 8),
         Block("down", Pooled(1), 3, 16, groups=2),
         Block("up", Joined(2, 1, groups=4), 3, 8, groups=4),
-        Block("head", Plain(3), 1, 4 * (channels + correction.weights)),
+        Block("head", Plain(3), 1, 4 * (correction.biases(channels) + correction.weights)),
     )
     return NetSpec(effect, inputs, 0.01, blocks, REACH, correction, "rgb")
 

@@ -19,14 +19,15 @@ from specs import GAIN
 from test_network import without_symmetry
 
 LIGHT = "[vary]\nlight = true\n"
+SKY = "[vary]\nenvironment = { sky = 1 }"
 
 #: Shipped networks with the table `vary` of their data.
 READ = {
     "aa": LIGHT,
     "ao-paper": "",
-    "do": "[vary]\nenvironment = { sky = 1 }",
+    "do": SKY,
     "dof": LIGHT + "lens = [1.0, 12.0]",
-    "gi": LIGHT,
+    "gi-paper": LIGHT,
     "ibl": "[vary]\nmaterials = true\nenvironment = { sky = 1 }",
     "motion-blur": LIGHT + "motion = [1.0, 24.0]",
     "multi": LIGHT + "lens = [1.0, 12.0]",
@@ -95,7 +96,7 @@ def test_torch_agrees_with_the_program_on_estimates(
 def test_what_is_made_and_a_gain_are_the_programs(
     program: Program, make_dataset: MakeDataset, tmp_path: Path
 ) -> None:
-    folder = make_dataset("do", READ["do"])
+    folder = make_dataset("do", SKY)
     pair = PairDataset(folder, dtype=torch.float32)[1]
     layers = {name: pair[name] for name in ("normal", "position", "valid")}
     layers["estimate"] = 2.0 * torch.rand(3, *pair["valid"].shape[1:])
@@ -121,7 +122,7 @@ def test_what_is_made_and_a_gain_are_the_programs(
 
 
 def test_an_estimate_of_the_scene_comes_from_the_recipe(make_dataset: MakeDataset) -> None:
-    folder = make_dataset("do", READ["do"])
+    folder = make_dataset("do", SKY)
     make_estimates(folder, GAIN)
     assert not (folder / "estimates").exists()
     with pytest.raises(

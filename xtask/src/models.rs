@@ -129,7 +129,8 @@ const BUDGETS: [Budget; 13] = [
 ];
 
 /// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,
-/// fourteen of `ao-small`, while they render the views: an hour and a half, and three quarters of an hour.
+/// fourteen of `ao-small`, eight of `gi`, while they render the views: half an hour to an hour and a
+/// half.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
 
