@@ -71,7 +71,7 @@ def test_the_spec_is_written_as_it_was(name: str) -> None:
 
 
 def test_a_batch_of_runs_is_its_images() -> None:
-    network = load_model(MODELS / "gi")
+    network = load_model(MODELS / "gi-paper")
     x = torch.randn(2, 3, 7, 21, 30)
     with torch.no_grad():
         images = network(x)
@@ -80,6 +80,6 @@ def test_a_batch_of_runs_is_its_images() -> None:
 
 
 def test_an_input_of_other_channels_is_refused() -> None:
-    network = load_model(MODELS / "gi")
+    network = load_model(MODELS / "gi-paper")
     with pytest.raises(ValueError, match="6 channels; the network reads 7: normal, position, diffuse-light"):
         network(torch.zeros(6, 21, 30))
