@@ -45,7 +45,7 @@ pub struct Args {
     /// How often a view of --recipe is used, on average.
     #[arg(long, default_value_t = Endless::USUAL.uses, requires = "recipe")]
     uses: usize,
-    /// The network [default: corrected where there is one and the data have what it reads, else paper].
+    /// The network [default: corrected for ao, and for gi where the data have what it reads, else paper].
     #[arg(long, value_enum)]
     network: Option<Network>,
     /// Channels of the corrected network at half the resolution.

@@ -66,7 +66,7 @@ impl NetSpec {
     }
 
     /// How bright light is to the network. Light of one bounce is some six times fainter than that which it
-    /// comes from (the median of the training frames of `gi-paper.toml`), and weights that make so faint an image
+    /// comes from (the median of the training frames of `gi-paper.toml`). Weights that make so faint an image
     /// are harder to learn, as an optimiser's steps are alike for all.
     pub fn brightness(&self) -> f32 {
         if self.effect == Effect::Gi { 8.0 } else { 1.0 }

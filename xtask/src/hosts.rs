@@ -1,5 +1,5 @@
-//! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from. So far PyTorch
-//! is the only one, with the package in `python/`.
+//! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from. So far that
+//! is PyTorch alone, with the package in `python/`.
 
 use crate::command::{self, root, target};
 use crate::program::{AS_TESTS, Program};
@@ -49,8 +49,9 @@ mod tests {
 
     #[test]
     fn what_tests_recorded_is_read() {
-        let report = r#"<testcase><properties><property name="max_abs" value="1.5e-06" /><property name="share"
-            value="0.1" /></properties></testcase><property name="max_abs" value="0.25" />"#;
+        let report = r#"<testcase><properties><property name="max_abs" value="1.5e-06" />
+            <property name="share" value="0.1" /></properties></testcase>
+            <property name="max_abs" value="0.25" />"#;
         assert_eq!(recorded(report, "max_abs"), [1.5e-6, 0.25]);
         assert!(recorded(report, "nothing").is_empty());
     }

@@ -81,8 +81,8 @@ const GI: Task = Task {
 /// `dof`, `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of the
 /// three at once, seven minutes. Two cores need an hour and a half for each.
 ///
-/// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without bound, to
-/// where structural similarity has no gradient.
+/// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
+/// bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 13] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },

@@ -1,5 +1,5 @@
-// The image of a network that corrects an estimate: a bias of each channel or a gain, and a weighted sum of how
-// far pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
+// The image of a network that corrects an estimate: a bias of each channel or a gain, and a weighted sum of
+// how far pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
 
 #import head/pyramid
 
