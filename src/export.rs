@@ -1,16 +1,19 @@
 //! `deepshade export`: from a training run to a model folder.
 
+mod check;
+mod folder;
+mod wgsl;
+
 use crate::complete::sky;
 use crate::eval::names::of_network;
 use crate::figures::{Figures, write_atomically};
 use crate::learned::estimator;
 use crate::location::Location;
-use crate::wgsl_folder;
 use anyhow::{Context, Result, ensure};
 use deepshade_dataset::recipe::FieldOfView;
 use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Radius, Recipe, stream};
-use deepshade_infer::forward::{Precision, wgsl_files};
+use deepshade_infer::forward::Precision;
 use deepshade_infer::{AnalyticEstimate, Model, NetSpec};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
@@ -83,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
-        wgsl_folder::replace(folder, &wgsl_files(&model, precision)?)?;
+        folder::replace(folder, &wgsl::files(&model, precision)?)?;
     }
     let weights = model.spec.weight_count();
     let mut figures = Figures::new("export");

@@ -44,6 +44,8 @@ mod props;
 mod radius;
 mod render;
 mod report;
+#[cfg(feature = "train")]
+mod room_frame;
 mod samples;
 mod scene;
 pub mod shared;
@@ -59,6 +61,4 @@ mod view;
 mod views;
 mod web;
 #[cfg(feature = "train")]
-mod wgsl_folder;
-
 pub use command_line::main;

@@ -6,10 +6,9 @@
 //! channels. A model's own are compared on noise and on a frame, in half floats on the frame alone: noise is
 //! none of the images that it was trained on, and drives its features beyond what half floats resolve.
 
-mod frame;
-
 use crate::arguments::Size;
 use crate::location::Location;
+use crate::room_frame::RoomFrame;
 use crate::{figures::Figures, onnxruntime};
 use anyhow::{Context, Result, bail};
 use deepshade_infer::forward::{HALF_TOLERANCE, Network, Options, OutputKind, Precision, Variant};
@@ -172,7 +171,7 @@ impl Image {
     fn input(self, spec: &NetSpec, size: [usize; 2]) -> Result<Planes> {
         match self {
             Self::Noise { .. } => Ok(parity::noise_for(spec, size, 2)),
-            Self::Frame => frame::input(spec, size),
+            Self::Frame => RoomFrame::new(spec, size)?.input(spec),
         }
     }
 

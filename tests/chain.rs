@@ -164,7 +164,7 @@ fn from_a_recipe_to_a_network_that_is_compared() {
         chain.figures("bench net --networks aa --sizes 64x64 --budget 3600000", &["predicted", "actual"]);
     assert_eq!([&largest["u0"], &largest["levels"]], [450.0, 1.0]);
     chain.figures("export --model model --wgsl kernels", &["weights"]);
-    for file in ["00_down0.wgsl", "10_up0.weights.bin", "network.json", "HOST.md"] {
+    for file in ["00_input0.wgsl", "up0.weights.bin", "network.json", "HOST.md"] {
         assert!(chain.path("kernels").join(file).is_file(), "{file}");
     }
     chain.figures("bench train --crop 64 --batch 1 --steps 1", &["images_per_second", "seconds_step_ao"]);

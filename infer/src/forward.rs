@@ -26,6 +26,7 @@ mod files;
 mod fit;
 mod frame_recording;
 mod head;
+mod host;
 mod image_pass;
 mod input_passes;
 mod io;
@@ -46,7 +47,7 @@ mod variant;
 
 pub use convenience::{Runner, run, run_layers};
 pub use deepshade_shaders::wgsl::convolution::Shape;
-pub use files::{File, wgsl_files};
+pub use files::{File, WgslFiles, wgsl_files};
 pub use frame_recording::{FrameRecording, FrameScale};
 pub use image_pass::{ImageBuffers, ImagePass};
 pub use input_passes::{InputPasses, InputSource};

@@ -61,7 +61,7 @@ impl NetSpec {
         self.lights().next().is_some()
     }
 
-    fn lights(&self) -> impl Iterator<Item = Attribute> {
+    pub(crate) fn lights(&self) -> impl Iterator<Item = Attribute> {
         self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light)
     }
 

@@ -1,12 +1,15 @@
 //! What is made on the device before and after a network equals what is made in main memory.
 
+mod common;
+
+use common::gbuffer;
 use deepshade_infer::forward::{
     ForwardError, FrameRecording, FrameScale, ImageBuffers, ImagePass, InputPasses, InputSource,
 };
 use deepshade_infer::parity::noise;
 use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Network, Reach, Scaling, Weights, reference};
 use deepshade_shaders::gpu::{self, Gpu};
-use deepshade_shaders::{Attribute, AttributeKind, Effect, GBuffer, Planes};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
 
 const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
 /// What a sum of thousands of depths may be off by, over the radius.
@@ -24,37 +27,6 @@ fn corrected() -> NetSpec {
 
 fn published(effect: Effect) -> NetSpec {
     NetSpec::published(effect, ChannelOrder::Interleaved, REACH).expect("it has one")
-}
-
-/// Bumps and steps with holes, in which lies what renderers leave there.
-fn gbuffer(height: usize, width: usize) -> GBuffer {
-    let attributes = [&Attribute::ALL[..], &[Attribute::Openness, Attribute::RawOpenness]].concat();
-    let channels = attributes.iter().map(|attribute| attribute.width()).sum();
-    let mut planes = noise(channels, height, width, 3);
-    let focal_length = 0.8 * height as f32;
-    let mut first = 0;
-    for attribute in &attributes {
-        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            let (across, down) = (x as f32 + 0.5 - 0.5 * width as f32, 0.5 * height as f32 - 0.5 - y as f32);
-            let step = f32::from(u8::from(x > y));
-            let depth = 2.0 + step + 0.3 * (0.2 * x as f32).sin() + 0.2 * (0.3 * y as f32).cos();
-            let hole = (x / 7 + y / 5) % 4 == 1 || (x > 20 && x < 32 && y < 24);
-            let here = |planes: &mut Planes, component: usize, value: f32| {
-                planes.plane_mut(first + component)[y * width + x] = value;
-            };
-            match attribute {
-                Attribute::Position => {
-                    let place = [across * depth / focal_length, down * depth / focal_length, -depth];
-                    (0..3).for_each(|c| here(&mut planes, c, if hole { f32::INFINITY } else { place[c] }));
-                }
-                Attribute::Valid => here(&mut planes, 0, if hole { 0.25 } else { 1.0 }),
-                _ if hole && attribute.kind() == AttributeKind::Scalar => here(&mut planes, 0, f32::NAN),
-                _ => {}
-            }
-        }
-        first += attribute.width();
-    }
-    GBuffer::new(attributes, planes)
 }
 
 fn size_of(gbuffer: &GBuffer) -> [usize; 2] {

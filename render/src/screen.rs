@@ -8,6 +8,7 @@
 
 mod device;
 mod gbuffer;
+pub mod host;
 mod method_passes;
 mod processor;
 pub mod reprojection;

@@ -12,6 +12,7 @@ pub mod effect;
 pub mod exposure;
 pub mod gbuffer;
 pub mod gpu;
+pub mod host;
 pub mod lists;
 pub mod names;
 pub mod own_file;

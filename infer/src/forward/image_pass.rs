@@ -39,12 +39,7 @@ impl ImagePass {
     /// # Errors
     /// If the device refuses.
     pub fn new(device: &Device, spec: &NetSpec) -> Result<Self, ForwardError> {
-        let finished = FinishedImage {
-            channels: spec.output_channels() as u32,
-            range: spec.effect.range(),
-            background: spec.effect.background(),
-        };
-        let pass = Pass::new(device, "net.finished", &finished.source())?;
+        let pass = Pass::new(device, "net.finished", &finished(spec).source())?;
         Ok(Self { device: device.clone(), spec: spec.clone(), pass })
     }
 
@@ -69,5 +64,14 @@ impl ImagePass {
         let bound = self.pass.bind(&self.device, &buffers)?;
         recording.add(bound, gpu::groups(size[0], size[1], TILE));
         Ok(recording)
+    }
+}
+
+/// What the pass knows of a network's effect.
+pub(super) fn finished(spec: &NetSpec) -> FinishedImage {
+    FinishedImage {
+        channels: spec.output_channels() as u32,
+        range: spec.effect.range(),
+        background: spec.effect.background(),
     }
 }

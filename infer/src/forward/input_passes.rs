@@ -12,7 +12,7 @@ use deepshade_shaders::{Attribute, MissingAttribute};
 use wgpu::{Buffer, Device};
 
 /// Most storage buffers of a pass: WebGPU guarantees as many.
-const MOST_BUFFERS: usize = 8;
+pub(super) const MOST_BUFFERS: usize = 8;
 /// Storage buffers that one attribute needs: it or positions, sums over squares, `valid`, and the input.
 const LEAST_BUFFERS: usize = 4;
 
@@ -152,7 +152,7 @@ impl InputSource<'_> {
 }
 
 /// The passes that write a network's input, each of which binds at most so many storage buffers.
-fn passes(spec: &NetSpec, most_buffers: usize) -> Vec<InputPass> {
+pub(super) fn passes(spec: &NetSpec, most_buffers: usize) -> Vec<InputPass> {
     let mut passes: Vec<InputPass> = Vec::new();
     let mut first = 0;
     for (attribute, scaled) in spec.inputs.iter().zip(io::texture_channels(spec)) {
@@ -180,9 +180,14 @@ fn passes(spec: &NetSpec, most_buffers: usize) -> Vec<InputPass> {
 
 /// The passes that make the levels of sums over squares.
 fn squares(device: &Device) -> Result<Vec<Pass>, GpuError> {
+    squares_sources().iter().map(|source| Pass::new(device, "net.squares", source)).collect()
+}
+
+/// Their sources.
+pub(super) fn squares_sources() -> Vec<String> {
     let level = |level: u32| match level {
-        0 => Pass::of(device, Shader::at("net/squares_first"), &[]),
-        _ => Pass::of(device, Shader::at("net/squares"), &[("LEVEL", level)]),
+        0 => Shader::at("net/squares_first").specialised(&[]),
+        _ => Shader::at("net/squares").specialised(&[("LEVEL", level)]),
     };
     (0..RELIEF_LEVELS.len() as u32).map(level).collect()
 }

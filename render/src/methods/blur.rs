@@ -10,8 +10,9 @@ mod tests;
 pub mod vector;
 
 use super::Surface;
-use crate::screen::{Device, GpuGBuffer, MethodStep, View};
+use crate::screen::{Device, GpuGBuffer, MethodStep, View, host};
 use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::host::{Extent, HostBinding, HostPass};
 use deepshade_shaders::wgsl::{Shader, TILE, uniforms};
 use deepshade_shaders::{Attribute, Effect, Planes};
 use glam::IVec2;
@@ -77,6 +78,25 @@ pub fn steps(
         MethodStep::bind(device, &pass, workgroups, &[uniform, position, normal, mask, from], &[to])
     };
     Ok([step(rows, image, half_blurred)?, step(columns, half_blurred, image)?])
+}
+
+/// The buffer between the two passes of [`host_passes`].
+pub const HALF_BLURRED: &str = "half_blurred";
+
+/// The two passes as an engine runs them from files, from one buffer of an effect's image to another.
+pub fn host_passes(blur: &BlurParameters, effect: Effect, from: &str, to: &str) -> Option<[HostPass; 2]> {
+    let source = Shader::at("methods/blur/smooth").specialised(&[("CHANNELS", effect.channels() as u32)]);
+    let pass = |name: &str, index: usize, from: &str, to: &str| {
+        let layout = &uniforms::Blur::LAYOUT;
+        let told =
+            host::values(layout, |view| bytemuck::bytes_of(&blur.settings(view, effect)[index]).to_vec())?;
+        let mut pass = HostPass::new(name, source.clone(), Extent::IMAGE, TILE).told_all(layout, &told);
+        for (binding, attribute) in (1..).zip([Attribute::Position, Attribute::Normal, Attribute::Valid]) {
+            pass = pass.bind(binding, HostBinding::read(attribute.name()));
+        }
+        Some(pass.bind(4, HostBinding::read(from)).bind(5, HostBinding::written(to)))
+    };
+    Some([pass("blur_rows", 0, from, HALF_BLURRED)?, pass("blur_columns", 1, HALF_BLURRED, to)?])
 }
 
 /// The blur of `image`, `[channels, height, width]` with one, three or twelve channels, along rows, and of

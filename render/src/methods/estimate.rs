@@ -6,6 +6,7 @@ use crate::scene::Camera;
 use crate::screen::{About, PlainInputs, ScreenMethod, Technique, View};
 use deepshade_shaders::effect::LitBy;
 use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::host::HostPasses;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
 use std::sync::Arc;
@@ -135,6 +136,15 @@ impl Estimator {
     /// Whether it looks beyond the screen, or at the environment, so that it has to know the scene.
     pub fn reads_scene(&self) -> bool {
         reads_scene(&self.about())
+    }
+
+    /// Its passes as an engine runs them from files, into buffers that are called as what it makes; none of
+    /// a method that has to know the scene.
+    pub fn host_passes(&self) -> Option<HostPasses> {
+        match (self.reads_scene(), self.makes()) {
+            (false, [image, raw]) => self.technique.host_passes(raw.name(), image.name()),
+            _ => None,
+        }
     }
 
     /// That the scene is not known and has to be.

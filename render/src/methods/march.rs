@@ -4,10 +4,12 @@
 
 use super::{Surface, blur, images};
 use crate::scene::Environment;
-use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
-use bytemuck::{NoUninit, bytes_of};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written, host};
+use bytemuck::bytes_of;
 use deepshade_shaders::gpu::{self, GpuError};
-use deepshade_shaders::wgsl::Shader;
+use deepshade_shaders::host::{Extent, HostBinding, HostBuffer, HostPart, HostPass, HostPasses};
+use deepshade_shaders::wgsl::uniforms::Uniform;
+use deepshade_shaders::wgsl::{Shader, TILE};
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 use std::fmt::Debug;
 
@@ -22,7 +24,7 @@ pub trait Marched: Debug + Send + Sync {
     /// The march: it reads its uniform buffer, the attributes and [`more`](Self::more), and writes the image.
     const SHADER: Shader;
     /// What the march's uniform buffer holds.
-    type March: NoUninit;
+    type March: Uniform;
 
     /// The march's parameters for a view.
     fn march(&self, view: &View) -> Self::March;
@@ -84,6 +86,27 @@ impl<M: Marched> Technique for M {
         let blurred = blur::Blurred { image, channels, half_blurred: &half_blurred, mask };
         let blurs = blur::steps(device, gbuffer, blurred, [rows, columns])?;
         Ok([marched].into_iter().chain(blurs).collect())
+    }
+
+    fn host_passes(&self, raw: &str, image: &str) -> Option<HostPasses> {
+        if self.more(None).is_some() {
+            return None;
+        }
+        let told = host::values(&M::March::LAYOUT, |view| bytes_of(&self.march(view)).to_vec())?;
+        let mut march = HostPass::new(M::NAME, M::SHADER.specialised(&[]), Extent::IMAGE, TILE)
+            .told_all(&M::March::LAYOUT, &told);
+        for (binding, attribute) in (1..).zip(M::ATTRIBUTES) {
+            march = march.bind(binding, HostBinding::read(attribute.name()));
+        }
+        march = march.bind(1 + M::ATTRIBUTES.len() as u32, HostBinding::written(raw));
+        let blurs = blur::host_passes(&self.blur(), M::EFFECT, raw, image)?;
+        let mut all = HostPasses { passes: [march].into_iter().chain(blurs).collect(), ..Default::default() };
+        all.add_attributes(M::ATTRIBUTES);
+        for name in [raw, blur::HALF_BLURRED, image] {
+            let part = HostPart::floats(Extent::IMAGE, M::EFFECT.channels());
+            all.add(name, HostBuffer::Made(vec![part]));
+        }
+        Some(all)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {

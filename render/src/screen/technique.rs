@@ -4,6 +4,7 @@ use super::{Device, GpuGBuffer, MethodStep, PlainInputs, View, Written};
 use crate::raster::World;
 use crate::scene::Environment;
 use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::host::HostPasses;
 use deepshade_shaders::wgsl::TILE;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use std::fmt::Debug;
@@ -49,6 +50,12 @@ pub trait Technique: Debug + Send + Sync {
     /// # Errors
     /// If the device refuses a pass or a binding, or has no room for what lies between the passes.
     fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError>;
+
+    /// Its passes as an engine runs them from files, into buffers of these names: the image before the
+    /// method's own blur, and the image. None of methods that nobody exports.
+    fn host_passes(&self, _raw: &str, _image: &str) -> Option<HostPasses> {
+        None
+    }
 
     /// What its passes write, in the order of [`MethodStep::writes`], computed slowly and plainly on the CPU.
     /// The last of it is the image.

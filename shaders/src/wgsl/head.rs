@@ -67,7 +67,7 @@ impl Head {
     }
 
     /// Planes of the finest level's frame before the pyramid.
-    const fn estimates(&self) -> u32 {
+    pub const fn estimates(&self) -> u32 {
         if matches!(self.kind, HeadKind::Correction { .. }) { self.channels } else { 0 }
     }
 

@@ -24,6 +24,12 @@ pub struct Field {
     pub offset: usize,
 }
 
+/// A struct that a pass reads.
+pub trait Uniform: bytemuck::Pod {
+    /// How it lies in memory.
+    const LAYOUT: Layout;
+}
+
 /// Four numbers, which WGSL wants at multiples of 16 bytes.
 #[allow(non_camel_case_types, reason = "the name that WGSL has for it")]
 type vec4f = [f32; 4];
@@ -50,6 +56,10 @@ macro_rules! uniforms {
                     offset: std::mem::offset_of!(Self, $field),
                 }),*],
             };
+        }
+
+        impl Uniform for $name {
+            const LAYOUT: Layout = Self::LAYOUT;
         })*
 
         /// How each of them lies in memory.

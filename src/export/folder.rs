@@ -32,14 +32,16 @@ pub fn replace(folder: &Path, files: &[File]) -> Result<()> {
     others.into_iter().chain(lists).try_for_each(|(name, bytes)| write_atomically(&folder.join(name), bytes))
 }
 
-/// Names of the files of a list's passes; of a file that is no list, or not there, none.
+/// Names of the files that a list's passes and buffers have; of a file that is no list, or not there, none.
 fn listed(list: &Path) -> Vec<String> {
     let network: Value =
         std::fs::read(list).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
     let passes = network["passes"].as_array().into_iter().flatten();
-    let names =
-        passes.flat_map(|pass| ["file", "reads", "weights"].map(|key| pass[key].as_str().map(str::to_owned)));
-    names.flatten().filter(|name| is_plain(name)).collect()
+    let buffers = network["buffers"].as_object().into_iter().flat_map(|buffers| buffers.values());
+    let files = passes.chain(buffers).filter_map(|listed| listed["file"].as_str().map(str::to_owned));
+    let attributes = network["attributes"].as_array().into_iter().flatten();
+    let checks = attributes.filter_map(Value::as_str).map(|attribute| format!("check.{attribute}.bin"));
+    files.chain(checks).filter(|name| is_plain(name)).collect()
 }
 
 /// Whether a name is that of a file in the same folder.
@@ -58,7 +60,7 @@ mod tests {
         let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
         let spec = NetSpec::ao(ChannelOrder::Interleaved, reach).reshaped(|net| net.levels = levels);
         let model = Model { weights: Weights::random(&spec, 1), spec };
-        wgsl_files(&model, Precision::F32).expect("files")
+        wgsl_files(&model, Precision::F32, &[]).expect("files").files
     }
 
     fn names(folder: &Path) -> BTreeSet<String> {
@@ -77,7 +79,7 @@ mod tests {
         replace(&folder, &files(2)).expect("written");
         let expected = files(2).into_iter().map(|(name, _)| name).chain(["own.wgsl".to_owned()]);
         assert_eq!(names(&folder), expected.collect());
-        let list = r#"{"passes": [{"file": "../outside", "reads": "own.wgsl"}]}"#;
+        let list = r#"{"passes": [{"file": "../outside"}], "buffers": {"own": {"file": "own.wgsl"}}}"#;
         std::fs::write(folder.join(LIST), list).expect("written");
         replace(&folder, &files(2)).expect("written");
         assert!(scratch.path().join("outside").exists() && !names(&folder).contains("own.wgsl"));
