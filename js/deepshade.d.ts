@@ -21,6 +21,20 @@ export interface Attribute {
 /** Fetches a network's files, which `deepshade export --wgsl` writes, and compiles its passes. */
 export function load(url: string | URL, device: GPUDevice): Promise<Network>;
 
+/** How far a network's image is off on the frame that was exported with it. */
+export interface Checked {
+  /** The largest difference. */
+  largest: number;
+  /** The share of the image's values that are off by more than 1e-3. Below .01 all is well. */
+  stray: number;
+}
+
+/** Runs a network on the frame that was exported with it. */
+export function check(url: string | URL, network: Network): Promise<Checked>;
+
+/** The numbers of a buffer of a plan, such as `plan.image`. */
+export function read(buffer: GPUBuffer, device: GPUDevice): Promise<Float32Array>;
+
 /** A network on a device. */
 export class Network {
   readonly device: GPUDevice;
@@ -60,7 +74,7 @@ export interface Textures {
   /** Normals in camera space: x to the right, y up, z towards the camera. */
   normal: GPUTextureView;
   /** The inverse of the projection, column after column. Depth is from 0 to 1 before it. */
-  inverseProjection: ArrayLike<number> & { forEach: Array<number>['forEach'] };
+  inverseProjection: ArrayLike<number>;
 }
 
 /** Writes the buffers `position`, `normal` and `valid` of a plan from textures. */

@@ -22,6 +22,45 @@ export async function load(url, device) {
   return new Network(device, description, passes, contents);
 }
 
+/**
+ * Runs a network on the frame that was exported with it. Resolves to how far its image is off at most, and the
+ * share of its values that are off by more than 1e-3: below .01 all is well.
+ */
+export async function check(url, network) {
+  const folder = String(url).replace(/\/?$/, '/');
+  const fetched = async (name) => (await fetch(`${folder}check.${name}`)).arrayBuffer();
+  const numbers = JSON.parse(new TextDecoder().decode(await fetched('json')));
+  const { height, width, radius, focal_length: focalLength, exposure, seed } = numbers;
+  const { device } = network;
+  const plan = network.plan(width, height);
+  for (const { name } of network.attributes) {
+    device.queue.writeBuffer(plan.buffers[name], 0, await fetched(`${name}.bin`));
+  }
+  plan.set({ radius, focalLength, exposure, seed });
+  const encoder = device.createCommandEncoder();
+  plan.encode(encoder);
+  device.queue.submit([encoder.finish()]);
+  const made = await read(plan.image, device);
+  const expected = new Float32Array(await fetched('image.bin'));
+  const apart = expected.map((value, index) => Math.abs(value - made[index]));
+  const largest = apart.reduce((most, value) => (value > most || Number.isNaN(value) ? value : most), 0);
+  plan.destroy();
+  return { largest, stray: apart.filter((value) => !(value <= 1e-3)).length / apart.length };
+}
+
+/** The numbers of a buffer of a plan, such as `plan.image`. */
+export async function read(buffer, device) {
+  const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
+  const copy = device.createBuffer({ size: buffer.size, usage });
+  const encoder = device.createCommandEncoder();
+  encoder.copyBufferToBuffer(buffer, 0, copy, 0, buffer.size);
+  device.queue.submit([encoder.finish()]);
+  await copy.mapAsync(GPUMapMode.READ);
+  const numbers = new Float32Array(copy.getMappedRange().slice(0));
+  copy.destroy();
+  return numbers;
+}
+
 /** A network on a device. */
 export class Network {
   constructor(device, description, passes, contents) {
@@ -189,7 +228,7 @@ export class TextureReader {
   /** Records it. `depth` and `normal` are texture views, `inverseProjection` 16 numbers, column after column. */
   encode(encoder, plan, { depth, normal, inverseProjection }) {
     const told = new DataView(new ArrayBuffer(80));
-    inverseProjection.forEach((number, index) => told.setFloat32(4 * index, number, true));
+    Array.from(inverseProjection).forEach((number, index) => told.setFloat32(4 * index, number, true));
     told.setUint32(64, plan.width, true);
     told.setUint32(68, plan.height, true);
     this.device.queue.writeBuffer(this.uniform, 0, told.buffer);

@@ -2,6 +2,7 @@
 
 mod check;
 mod folder;
+mod translated;
 mod wgsl;
 
 use crate::complete::sky;
@@ -21,6 +22,7 @@ use deepshade_train::TrainConfig;
 use deepshade_train::export::{CARD_FILE, Facts, export, measured};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use translated::{Language, translated};
 
 /// Licence of exported weights, the program's own.
 const LICENCE: &str = "MIT OR Apache-2.0";
@@ -33,9 +35,10 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 #[command(after_help = "Examples:\n  \
     deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
     deepshade export --model models/ao --wgsl shaders/ao\n  \
+    deepshade export --model models/ao --wgsl shaders/ao --also hlsl\n  \
     deepshade export --model models/ao --metrics eval.json\n\n\
-    --wgsl writes a commented compute shader and packed weights for every layer, network.json with the passes and what \
-    they bind, and HOST.md, which says what a host must do.")]
+    --wgsl writes a compute shader for every pass from a g-buffer to the image, packed weights, network.json with the \
+    passes and what they bind, a frame to check with, and HOST.md, which says what a host must do.")]
 pub struct Args {
     /// Folder or address of the training run.
     #[arg(long, requires = "out")]
@@ -49,6 +52,9 @@ pub struct Args {
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]
     wgsl: Option<PathBuf>,
+    /// The shaders of --wgsl in another language, too.
+    #[arg(long, requires = "wgsl")]
+    also: Option<Language>,
     /// Feature maps of the WGSL files in half floats.
     #[arg(long, requires = "wgsl")]
     half: bool,
@@ -86,7 +92,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
-        folder::replace(folder, &wgsl::files(&model, precision)?)?;
+        let files = wgsl::files(&model, precision)?;
+        let more = args.also.map(|language| translated(&files, language)).transpose()?;
+        folder::replace(folder, &[files, more.unwrap_or_default()].concat())?;
     }
     let weights = model.spec.weight_count();
     let mut figures = Figures::new("export");

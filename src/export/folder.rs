@@ -38,10 +38,19 @@ fn listed(list: &Path) -> Vec<String> {
         std::fs::read(list).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
     let passes = network["passes"].as_array().into_iter().flatten();
     let buffers = network["buffers"].as_object().into_iter().flat_map(|buffers| buffers.values());
-    let files = passes.chain(buffers).filter_map(|listed| listed["file"].as_str().map(str::to_owned));
+    let files = passes.chain(buffers).filter_map(|listed| listed["file"].as_str()).flat_map(in_any_language);
     let attributes = network["attributes"].as_array().into_iter().flatten();
     let checks = attributes.filter_map(Value::as_str).map(|attribute| format!("check.{attribute}.bin"));
     files.chain(checks).filter(|name| is_plain(name)).collect()
+}
+
+/// A file, and where it is a shader the same in other languages.
+fn in_any_language(file: &str) -> Vec<String> {
+    let others = file
+        .strip_suffix(".wgsl")
+        .into_iter()
+        .flat_map(|stem| ["hlsl", "glsl", "spv"].map(|ending| format!("{stem}.{ending}")));
+    [file.to_owned()].into_iter().chain(others).collect()
 }
 
 /// Whether a name is that of a file in the same folder.

@@ -4,6 +4,8 @@
 
 mod apt;
 mod book;
+#[cfg(feature = "browser")]
+mod browser;
 mod command;
 mod crosscheck;
 mod demo;
@@ -55,9 +57,10 @@ enum Verb {
     /// with deepshade, and compares every effect pixel by pixel: `deepshade-studies crosscheck` with the
     /// arguments.
     Crosscheck(Passed),
-    /// Runs the tests of the Python package, with PyTorch in an environment below the target folder (some
-    /// gigabytes).
-    Hosts(Json),
+    /// Tests what deepshade is used from: the page's package in headless Chromium, in a page of its own and in
+    /// three.js, beside onnxruntime-web; and the Python package with PyTorch, in an environment below the
+    /// target folder (some gigabytes).
+    Hosts(hosts::Args),
     /// Makes networks in `models` from nothing: data, training, export, test set, evaluation, parity, and
     /// what more steps would bring, from trainings of half and a quarter of them; hours. Given again it goes
     /// on.
@@ -115,7 +118,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Test => test::run(),
         Verb::Prove(json) => prove::run(json.json.as_deref()),
         Verb::Crosscheck(passed) => crosscheck::run(&passed.args),
-        Verb::Hosts(json) => hosts::run(json.json.as_deref()),
+        Verb::Hosts(args) => hosts::run(&args),
         Verb::Models(args) => models::run(&args),
         Verb::Book => book::run(),
         Verb::Deny(args) => deny::run(&args),

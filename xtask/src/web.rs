@@ -6,7 +6,7 @@
 
 #[cfg(feature = "browser")]
 mod browser;
-mod serve;
+pub mod serve;
 pub mod toolchain;
 
 use crate::command::{self, cargo, command, root, target};
@@ -62,7 +62,7 @@ pub fn run(args: Args) -> Result<()> {
 }
 
 /// The same command line with what drives a browser.
-fn again() -> Result<()> {
+pub fn again() -> Result<()> {
     let words = ["run", "--quiet", "--locked", "--package", "xtask", "--features", "browser", "--"];
     let mut again = cargo(&words);
     command::run(again.args(std::env::args_os().skip(1)).current_dir("."))

@@ -2,21 +2,18 @@
 //! adapter, the images that the program computes on this machine; its slider and its figures must work; and
 //! without WebGPU it must say so and show what was recorded.
 
-mod session;
-
 use super::serve::Server;
-use crate::command::{self, succeeds, target};
+use crate::browser::{self, Browser, WEBGPU};
+use crate::command::{self, target};
+use crate::figures;
 use crate::program::Program;
-use crate::{apt, figures};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
-use session::{Browser, WEBGPU};
 use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use thirtyfour::{By, Key, WebElement};
 
-const PACKAGES: [&str; 2] = ["chromium", "chromium-driver"];
 /// Rows and columns of the images.
 const SIZE: usize = 192;
 /// Samples of a pixel of truth, of the first comparison.
@@ -43,10 +40,7 @@ struct Difference {
 /// # Errors
 /// If the browser is missing and cannot be installed, or the page does not do what it should.
 pub fn test(folder: &Path, json: Option<&Path>) -> Result<()> {
-    let there = |program| succeeds(&mut command::command(program, &["--version"]));
-    if !(there("chromium") && there("chromedriver")) {
-        apt::install(&PACKAGES, "Chromium with its driver")?;
-    }
+    browser::ensure()?;
     let values = target().join("web-values");
     let size = SIZE.to_string();
     let shown = values.display().to_string();

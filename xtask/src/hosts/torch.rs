@@ -1,26 +1,22 @@
-//! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from. So far that
-//! is PyTorch alone, with the package in `python/`.
+//! PyTorch, with the package in `python/`.
 
 use crate::command::{self, root, target};
-use crate::program::{AS_TESTS, Program};
-use crate::{figures, python};
+use crate::program::Program;
+use crate::python;
 use anyhow::{Context, Result};
-use serde_json::json;
-use std::path::Path;
 use std::process::Command;
 
 /// What the tests of the Python package import.
 const PACKAGES: [&str; 6] =
     ["torch==2.15.0", "numpy>=1.26", "safetensors>=0.4.3", "OpenEXR>=3.3", "blake3>=1.0", "pytest>=8"];
 
-/// Runs them in a Python environment below the target folder, and says how far PyTorch's images are at most
-/// from those that networks have in their folders.
+/// Runs the package's tests in a Python environment below the target folder; how far PyTorch's images are at
+/// most from those that networks have in their folders.
 ///
 /// # Errors
-/// If the environment cannot be made, the program does not build, or a test fails.
-pub fn run(json: Option<&Path>) -> Result<()> {
+/// If the environment cannot be made or a test fails.
+pub fn test(program: &Program) -> Result<Vec<(String, f64)>> {
     let interpreter = python::environment("hosts-python", &PACKAGES)?;
-    let program = Program::build_by(&AS_TESTS)?;
     let report = target().join("hosts-python/report.xml");
     let mut tests = Command::new(interpreter);
     tests.current_dir(root().join("python")).env("DEEPSHADE", program.path());
@@ -31,9 +27,7 @@ pub fn run(json: Option<&Path>) -> Result<()> {
     let text = std::fs::read_to_string(&report).with_context(|| report.display().to_string())?;
     let deviations = recorded(&text, "max_abs");
     let largest = deviations.iter().copied().fold(f64::NAN, f64::max);
-    println!("max_abs_torch: {largest:.2e}, the largest of {} networks", deviations.len());
-    let found = [("max_abs_torch".to_owned(), largest)];
-    figures::write(json, "hosts", &found, json!({ "networks": deviations.len() }))
+    Ok(vec![("max_abs_torch".to_owned(), largest)])
 }
 
 /// The numbers that tests have recorded under a name, in a report of pytest's.

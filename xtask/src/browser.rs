@@ -1,5 +1,7 @@
 //! A headless Chromium, and what is asked of the page in it.
 
+use crate::apt;
+use crate::command::{command, succeeds};
 use anyhow::{Context, Result, bail, ensure};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
@@ -37,6 +39,20 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// How long a script may take: one that asks for values waits for the frames before, which take a software
 /// adapter long.
 const SCRIPT: Duration = Duration::from_mins(20);
+
+const PACKAGES: [&str; 2] = ["chromium", "chromium-driver"];
+
+/// Installs Chromium with its driver where it is missing.
+///
+/// # Errors
+/// If that is not possible; the message says what to install by hand.
+pub fn ensure() -> Result<()> {
+    let there = |program| succeeds(&mut command(program, &["--version"]));
+    match there("chromium") && there("chromedriver") {
+        true => Ok(()),
+        false => apt::install(&PACKAGES, "Chromium with its driver"),
+    }
+}
 
 /// A browser with its driver, which ends with it.
 pub struct Browser {
@@ -202,6 +218,25 @@ impl Browser {
         Ok(self.driver.execute_async(script, Vec::new()).await?.convert()?)
     }
 
+    /// Waits until the page's body has a datum, which is returned.
+    ///
+    /// # Errors
+    /// If the page says in the datum `failed` that it does not, or time is over.
+    pub async fn until_datum(&self, name: &str, patience: Duration) -> Result<String> {
+        let began = Instant::now();
+        loop {
+            let datum = |name: &str| format!("return document.body.dataset.{name} || ''");
+            let (failed, found): (String, String) =
+                (self.asked(&datum("failed")).await?, self.asked(&datum(name)).await?);
+            ensure!(failed.is_empty(), "the page says: {failed}");
+            if !found.is_empty() {
+                return Ok(found);
+            }
+            ensure!(began.elapsed() < patience, "the page is not ready after {} s", patience.as_secs());
+            tokio::time::sleep(PAUSE).await;
+        }
+    }
+
     /// Waits until the page is in a state.
     ///
     /// # Errors
@@ -231,6 +266,30 @@ impl Browser {
             tokio::time::sleep(PAUSE).await;
         }
         Ok(())
+    }
+
+    /// What an expression of the page comes to, which may be a promise.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub async fn evaluated(&self, expression: &str) -> Result<serde_json::Value> {
+        let script = format!(
+            "const done = arguments[0]; Promise.resolve({expression}).then((value) => done({{ value }}), \
+             (error) => done({{ failed: String(error) }}))"
+        );
+        let answer = self.driver.execute_async(script, Vec::new()).await?;
+        match &answer.json()["failed"] {
+            serde_json::Value::String(failed) => bail!("the page says: {failed}"),
+            _ => Ok(answer.json()["value"].clone()),
+        }
+    }
+
+    /// A picture of an element.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub async fn picture(&self, of: By) -> Result<Vec<u8>> {
+        Ok(self.find(of).await?.screenshot_as_png().await?)
     }
 
     async fn asked<T: serde::de::DeserializeOwned>(&self, script: &str) -> Result<T> {

@@ -1,0 +1,158 @@
+//! The shaders of a network in other languages than WGSL, translated by naga: for engines that do not take WGSL.
+
+use anyhow::{Context, Result};
+use deepshade_infer::forward::File;
+use naga::back::{glsl, hlsl, spv};
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
+use naga::{Module, ResourceBinding, ShaderStage};
+
+/// A language of shaders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Language {
+    /// For Direct3D: shader model 6.0; uniforms in b0, what is read in t, what is written in u, space 0
+    Hlsl,
+    /// For OpenGL: version 4.50, bindings as in WGSL
+    Glsl,
+    /// For Vulkan: version 1.3, set 0, bindings as in WGSL
+    Spirv,
+}
+
+/// The WGSL files of a network in another language, beside which the others stay as they are: `NAME.hlsl`,
+/// `NAME.glsl` or `NAME.spv` for `NAME.wgsl`.
+///
+/// # Errors
+/// If a shader needs what the language does not have, such as half floats in GLSL.
+pub fn translated(files: &[File], language: Language) -> Result<Vec<File>> {
+    let shaders = files.iter().filter_map(|(name, text)| Some((name.strip_suffix(".wgsl")?, text)));
+    let translate = |(name, text): (&str, &Vec<u8>)| {
+        let shader = Shader::new(std::str::from_utf8(text)?)?;
+        let (ending, content) = match language {
+            Language::Hlsl => ("hlsl", shader.hlsl()?.into_bytes()),
+            Language::Glsl => ("glsl", shader.glsl()?.into_bytes()),
+            Language::Spirv => ("spv", bytemuck::pod_collect_to_vec(&shader.spirv()?)),
+        };
+        Ok((format!("{name}.{ending}"), content))
+    };
+    shaders
+        .map(|shader| translate(shader).with_context(|| format!("{}.wgsl in {language:?}", shader.0)))
+        .collect()
+}
+
+/// A compute shader with one entry point.
+struct Shader {
+    module: Module,
+    info: ModuleInfo,
+}
+
+/// Buffers are as large as `network.json` has it, so that nothing is read or written beyond them.
+const UNCHECKED: BoundsCheckPolicies = BoundsCheckPolicies {
+    index: BoundsCheckPolicy::Unchecked,
+    buffer: BoundsCheckPolicy::Unchecked,
+    image_load: BoundsCheckPolicy::Unchecked,
+    binding_array: BoundsCheckPolicy::Unchecked,
+};
+
+impl Shader {
+    fn new(wgsl: &str) -> Result<Self> {
+        let module = naga::front::wgsl::parse_str(wgsl)?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
+        Ok(Self { module, info })
+    }
+
+    fn entry(&self) -> String {
+        self.module.entry_points[0].name.clone()
+    }
+
+    fn hlsl(&self) -> Result<String> {
+        // Registers are the numbers of bindings where nothing else is said.
+        let options = hlsl::Options {
+            shader_model: hlsl::ShaderModel::V6_0,
+            zero_initialize_workgroup_memory: false,
+            restrict_indexing: false,
+            force_loop_bounding: false,
+            ..hlsl::Options::default()
+        };
+        let pipeline = hlsl::PipelineOptions { entry_point: Some((ShaderStage::Compute, self.entry())) };
+        let mut text = String::new();
+        hlsl::Writer::new(&mut text, &options, &pipeline).write(&self.module, &self.info, None)?;
+        Ok(text)
+    }
+
+    fn glsl(&self) -> Result<String> {
+        let bindings = self.module.global_variables.iter().filter_map(|(_, variable)| variable.binding);
+        let options = glsl::Options {
+            version: glsl::Version::Desktop(450),
+            writer_flags: glsl::WriterFlags::empty(),
+            binding_map: bindings.map(|binding| (binding, number(&binding))).collect(),
+            zero_initialize_workgroup_memory: false,
+        };
+        let pipeline = glsl::PipelineOptions {
+            shader_stage: ShaderStage::Compute,
+            entry_point: self.entry(),
+            multiview: None,
+        };
+        let mut text = String::new();
+        glsl::Writer::new(&mut text, &self.module, &self.info, &options, &pipeline, UNCHECKED)?.write()?;
+        Ok(text)
+    }
+
+    fn spirv(&self) -> Result<Vec<u32>> {
+        let options = spv::Options {
+            lang_version: (1, 3),
+            flags: spv::WriterFlags::empty(),
+            bounds_check_policies: UNCHECKED,
+            zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
+            force_loop_bounding: false,
+            ..spv::Options::default()
+        };
+        let pipeline = spv::PipelineOptions { entry_point: self.entry(), shader_stage: ShaderStage::Compute };
+        Ok(spv::write_vec(&self.module, &self.info, &options, Some(&pipeline))?)
+    }
+}
+
+/// A binding's number.
+fn number(binding: &ResourceBinding) -> u8 {
+    u8::try_from(binding.binding).unwrap_or(u8::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_infer::forward::{Precision, wgsl_files};
+    use deepshade_infer::{AnalyticEstimate, Model, NetSpec, Reach, Weights};
+    use deepshade_shaders::Effect;
+
+    fn files(precision: Precision) -> Vec<File> {
+        let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
+        let estimate = AnalyticEstimate::new("gtao", "low");
+        let spec = NetSpec::corrected(Effect::Ao, 8, vec![estimate], reach).expect("it has one");
+        let model = Model { weights: Weights::random(&spec, 1), spec };
+        wgsl_files(&model, precision, &[]).expect("files").files
+    }
+
+    #[test]
+    fn every_shader_is_there_in_every_language() {
+        let files = files(Precision::F32);
+        let count = files.iter().filter(|(name, _)| name.ends_with(".wgsl")).count();
+        for (language, ending, marks) in [
+            (Language::Hlsl, ".hlsl", "[numthreads("),
+            (Language::Glsl, ".glsl", "#version 450"),
+            (Language::Spirv, ".spv", "\u{3}\u{2}#\u{7}"),
+        ] {
+            let made = translated(&files, language).expect("translates");
+            assert_eq!(made.len(), count);
+            for (name, content) in &made {
+                assert!(name.ends_with(ending), "{name}");
+                let holds = content.windows(marks.len()).any(|part| part == marks.as_bytes());
+                assert!(holds, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_language_does_not_have_is_said_with_the_shaders_name() {
+        let refused = translated(&files(Precision::F16), Language::Glsl).expect_err("no half floats");
+        assert!(format!("{refused:#}").contains(".wgsl in Glsl"), "{refused:#}");
+    }
+}

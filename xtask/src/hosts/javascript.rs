@@ -1,0 +1,110 @@
+//! The package in `js/`: TypeScript compiles against it, networks make the images of their frames in headless
+//! Chromium, and its node runs in three.js beside three.js's own.
+
+use crate::browser::{self, Browser, WEBGPU};
+use crate::command::{self, command, root, target};
+use crate::program::Program;
+use crate::web::serve::Server;
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+use thirtyfour::By;
+
+/// Networks whose frames are checked; the last one is timed beside onnxruntime-web, too.
+const NETWORKS: [&str; 4] = ["gi-paper", "gi", "ao", "ao-small"];
+/// Share of an image's values that may be off by more than 1e-3.
+const STRAY: f64 = 0.01;
+/// Rows and columns of the frame that is timed, which suit a software adapter.
+const SIZE: [u32; 2] = [192, 256];
+/// How long a page may take: the software adapter compiles every pass.
+const PATIENCE: Duration = Duration::from_mins(10);
+
+/// Tests the package in a copy below the target folder.
+///
+/// # Errors
+/// If npm or the browser is missing, or a test fails.
+pub fn test(program: &Program) -> Result<Vec<(String, f64)>> {
+    browser::ensure()?;
+    let stage = target().join("hosts-js");
+    copy(&root().join("js"), &stage)?;
+    let npm = |words: &[&str]| command::run(command("npm", words).current_dir(&stage));
+    npm(&["ci", "--no-audit", "--no-fund", "--silent"]).context("Node.js with npm is needed")?;
+    npm(&["exec", "--", "tsc", "--project", "."])?;
+    for network in NETWORKS {
+        let (model, shaders) = (root().join("models").join(network), stage.join("shaders").join(network));
+        let [model, shaders] = [model, shaders].map(|path| path.display().to_string());
+        program.run(&["export", "--model", &model, "--wgsl", &shaders])?;
+    }
+    let [_, .., last] = NETWORKS;
+    let onnx = root().join("models").join(last).join("model.onnx");
+    fs::copy(&onnx, stage.join("model.onnx")).with_context(|| onnx.display().to_string())?;
+    let server = Server::start(&stage)?;
+    let address = server.address.trim_end_matches('/');
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let mut found = runtime.block_on(checked(address)).context("the package's own page")?;
+    found.extend(runtime.block_on(in_three(address, &stage)).context("three.js")?);
+    Ok(found)
+}
+
+/// The frames of networks, and times.
+async fn checked(address: &str) -> Result<Vec<(String, f64)>> {
+    let browser = Browser::open(WEBGPU).await?;
+    let [height, width] = SIZE;
+    let folders = NETWORKS.map(|network| format!("../shaders/{network}")).join(",");
+    let wanted = format!("networks={folders}&onnx=../model.onnx&height={height}&width={width}");
+    browser.goto(&format!("{address}/test/index.html?{wanted}")).await?;
+    let figures: Value = serde_json::from_str(&browser.until_datum("figures", PATIENCE).await?)?;
+    browser.quit().await?;
+    let figure = |name: &str| figures[name].as_f64().with_context(|| format!("no figure {name}: {figures}"));
+    let (mut found, mut worst) = (Vec::new(), 0.0f64);
+    for network in NETWORKS {
+        let stray = figure(&format!("stray_{network}"))?;
+        ensure!(stray < STRAY, "{network}: {:.1} % of the values stray", 100.0 * stray);
+        worst = worst.max(figure(&format!("max_abs_{network}"))?);
+        found.push((format!("stray_{network}"), stray));
+    }
+    found.push(("max_abs_browser".to_owned(), worst));
+    for name in ["ms_browser_learned", "ms_browser_onnxruntime"] {
+        found.push((name.to_owned(), figure(name)?));
+    }
+    Ok(found)
+}
+
+/// The example with three.js: what its node and three.js's own take, and that both darken the frame.
+async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
+    let browser = Browser::open(WEBGPU).await?;
+    let [height, width] = SIZE;
+    let network = format!("../../shaders/{}", NETWORKS[NETWORKS.len() - 1]);
+    let page = format!("{address}/examples/three/index.html?network={network}&height={height}&width={width}");
+    browser.goto(&page).await?;
+    browser.until_datum("frames", PATIENCE).await?;
+    let measured = browser.evaluated("import('/test/three.js').then((test) => test.measured())").await?;
+    let picture = browser.picture(By::Tag("canvas")).await?;
+    fs::write(stage.join("three.png"), picture)?;
+    browser.quit().await?;
+    let figure =
+        |name: &str| measured[name].as_f64().with_context(|| format!("no figure {name}: {measured}"));
+    for name in ["mean_learned", "mean_gtao"] {
+        let mean = figure(name)?;
+        ensure!((0.5..0.99).contains(&mean), "{name} is {mean}: nothing is occluded, or all");
+    }
+    let names = ["mean_learned", "mean_gtao", "ms_browser_three_learned", "ms_browser_three_gtao"];
+    names.into_iter().map(|name| Ok((name.to_owned(), figure(name)?))).collect()
+}
+
+/// Copies the files of a folder, and those of its folders, but what npm has put there.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to).with_context(|| to.display().to_string())?;
+    for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
+        let entry = entry?;
+        let (path, into) = (entry.path(), to.join(entry.file_name()));
+        match path.is_dir() {
+            true if entry.file_name() == "node_modules" || entry.file_name() == "shaders" => {}
+            true => copy(&path, &into)?,
+            false => fs::copy(&path, &into).map(|_| ()).with_context(|| path.display().to_string())?,
+        }
+    }
+    Ok(())
+}
