@@ -216,11 +216,11 @@ fn scenes(recipe: &Recipe) -> String {
 /// one.
 fn limits(spec: &NetSpec, recipe: &Recipe) -> Vec<String> {
     let field_of_view = recipe.field_of_view.unwrap_or(FieldOfView::Fixed(FIELD_OF_VIEW));
-    let of_scene = |estimate: &&AnalyticEstimate| {
-        estimator(spec, estimate).is_ok_and(|estimator| estimator.reads_scene())
+    let beyond = |estimate: &&AnalyticEstimate| {
+        estimator(spec, estimate).is_ok_and(|estimator| estimator.looks_beyond())
     };
     let mut limits = vec![
-        match spec.estimates.iter().find(of_scene) {
+        match spec.estimates.iter().find(beyond) {
             Some(AnalyticEstimate { method, .. }) => format!(
                 "It sees what the camera sees; of what lies outside the image or behind other surfaces it knows \
                  what `{method}` tells."

@@ -52,7 +52,7 @@ pub struct Args {
     #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY [default: gtao:high for ao, surfel:low
-    /// for gi, ssdo:low for do].
+    /// for gi, ssdo:medium for do].
     #[arg(long, value_parser = estimate)]
     estimate: Option<AnalyticEstimate>,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.

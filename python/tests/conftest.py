@@ -20,6 +20,7 @@ SHIPPED = (
     "ao-paper",
     "ao-small",
     "do",
+    "do-paper",
     "dof",
     "gi",
     "gi-paper",

@@ -25,7 +25,7 @@ SKY = "[vary]\nenvironment = { sky = 1 }"
 READ = {
     "aa": LIGHT,
     "ao-paper": "",
-    "do": SKY,
+    "do-paper": SKY,
     "dof": LIGHT + "lens = [1.0, 12.0]",
     "gi-paper": LIGHT,
     "ibl": "[vary]\nmaterials = true\nenvironment = { sky = 1 }",

@@ -25,7 +25,7 @@ pub enum Language {
 /// If a shader needs what the language does not have, such as half floats in GLSL.
 pub fn translated(files: &[File], language: Language) -> Result<Vec<File>> {
     let shaders = files.iter().filter_map(|(name, text)| Some((name.strip_suffix(".wgsl")?, text)));
-    let translate = |(name, text): (&str, &Vec<u8>)| {
+    let translate = |(name, text): (&str, &Vec<u8>)| -> Result<File> {
         let shader = Shader::new(std::str::from_utf8(text)?)?;
         let (ending, content) = match language {
             Language::Hlsl => ("hlsl", shader.hlsl()?.into_bytes()),

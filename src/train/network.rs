@@ -20,7 +20,7 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the paper's.
-const MEASURED: [Effect; 2] = [Effect::Ao, Effect::Gi];
+const MEASURED: [Effect; 3] = [Effect::Ao, Effect::Do, Effect::Gi];
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
 /// The estimates that the corrected network reads of an effect, that which it corrects first.
@@ -28,7 +28,7 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     let of = AnalyticEstimate::new;
     match effect {
         Effect::Gi => vec![of("surfel", "low"), of("gtao", "low").of(Effect::Ao)],
-        Effect::Do => vec![of("ssdo", "low"), of("gtao", "medium").of(Effect::Ao)],
+        Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
         _ => vec![of("gtao", "high")],
     }
 }

@@ -71,6 +71,13 @@ const GI: Task = Task {
     qualities: "low,medium",
 };
 
+const DO: Task = Task {
+    stream: "do",
+    tests: &[("testset", "do-test")],
+    methods: "learned,ssdo",
+    qualities: "low,medium,high",
+};
+
 /// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where
@@ -83,7 +90,7 @@ const GI: Task = Task {
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
-const BUDGETS: [Budget; 13] = [
+const BUDGETS: [Budget; 14] = [
     Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
     Budget { name: "dof", steps: 10_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
     Budget {
@@ -106,7 +113,16 @@ const BUDGETS: [Budget; 13] = [
         share: None,
         streamed: None,
     },
-    Budget { name: "do", steps: 20_000, batch: 4, crop: 128, rate: "0.004", share: None, streamed: None },
+    Budget { name: "do", steps: 5_000, streamed: on(&DO, ["corrected", "16", "ssdo:medium"]), ..CORRECTED },
+    Budget {
+        name: "do-paper",
+        steps: 20_000,
+        batch: 4,
+        crop: 128,
+        rate: "0.004",
+        share: None,
+        streamed: None,
+    },
     Budget { name: "multi", steps: 9_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
     Budget {
         name: "real",
@@ -129,7 +145,7 @@ const BUDGETS: [Budget; 13] = [
 ];
 
 /// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,
-/// fourteen of `ao-small`, eight of `gi`, while they render the views: half an hour to an hour and a
+/// fourteen of `ao-small`, eight of `gi` and of `do`, while they render the views: half an hour to an hour and a
 /// half.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };

@@ -138,6 +138,11 @@ impl Estimator {
         reads_scene(&self.about())
     }
 
+    /// Whether it looks beyond the screen.
+    pub fn looks_beyond(&self) -> bool {
+        self.about().looks_beyond
+    }
+
     /// Its passes as an engine runs them from files, into buffers that are called as what it makes; none of
     /// a method that has to know the scene.
     pub fn host_passes(&self) -> Option<HostPasses> {
