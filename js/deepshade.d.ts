@@ -44,10 +44,15 @@ export class Network {
   readonly effect: string;
   /** What it reads of a g-buffer. */
   readonly attributes: Attribute[];
-  /** Bytes of an attribute's buffer for an image. */
-  bytesOf(name: string, width: number, height: number): number;
+  /**
+   * Bytes of the buffers that a frame of a size needs, by their names. A device has to allow the largest as
+   * `maxStorageBufferBindingSize` and `maxBufferSize`.
+   */
+  bytes(width: number, height: number): Record<string, number>;
   /** Prepares frames of a size, in buffers of yours where `attributes` has them. */
   plan(width: number, height: number, attributes?: Record<string, GPUBuffer>): Plan;
+  /** Frees its weights. Plans of it are of no use then. */
+  destroy(): void;
 }
 
 /** A network for frames of a size. */
@@ -79,8 +84,14 @@ export interface Textures {
 
 /** Writes the buffers `position`, `normal` and `valid` of a plan from textures. */
 export class TextureReader {
-  constructor(device: GPUDevice, options?: { normals?: 'unit' | 'colour'; background?: 0 | 1 });
-  encode(encoder: GPUCommandEncoder, plan: Plan, textures: Textures): void;
+  /**
+   * `normals` says what the texture of normals holds: components from -1 to 1, or from 0 to 1. `background`
+   * is the depth where nothing is seen: 1, or 0 with reversed depth. /
+  constructor(plan: Plan, options?: { normals?: 'unit' | 'colour'; background?: 0 | 1 });
+  /** Records it. */
+  encode(encoder: GPUCommandEncoder, textures: Textures): void;
+  /** Frees what it made. */
+  destroy(): void;
 }
 
 /** A plan's image as a texture, `rgba16float`. */
@@ -89,4 +100,6 @@ export class ImageTexture {
   readonly texture: GPUTexture;
   /** Records the copy. */
   encode(encoder: GPUCommandEncoder): void;
+  /** Frees the texture. */
+  destroy(): void;
 }

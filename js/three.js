@@ -5,10 +5,8 @@
 //   scenePass.contextNode = builtinAOContext(aoPass.getTextureNode().sample(screenUV).r);
 
 import { ImageTexture, TextureReader } from './deepshade.js';
-import { ExternalTexture, Node, NodeUpdateType, Vector2 } from 'three/webgpu';
+import { ExternalTexture, Node, NodeUpdateType } from 'three/webgpu';
 import { passTexture, uniform } from 'three/tsl';
-
-const size = new Vector2();
 
 /** A node whose texture has ambient occlusion that a network makes of depth and normals. */
 export class LearnedAONode extends Node {
@@ -22,14 +20,14 @@ export class LearnedAONode extends Node {
    */
   constructor(depthNode, normalNode, camera, network) {
     super('float');
-    if (network.effect !== 'ao') throw new Error(`learnedAO wants a network of ao, this is one of ${network.effect}`);
+    if (network.effect !== 'ao') throw new Error(`learnedAO wants a network of ao, not of ${network.effect}`);
     Object.assign(this, { depthNode, normalNode, camera, network });
     this.updateBeforeType = NodeUpdateType.FRAME;
     /** How far occlusion reaches, in the scene's unit. */
     this.radius = uniform(0.25);
-    /** Timestamps of the passes, if they are wanted: `{ querySet, beginningOfPassWriteIndex, endOfPassWriteIndex }`. */
+    /** Timestamps of the passes, if they are wanted, as `beginComputePass` takes them. */
     this.timestampWrites = undefined;
-    this._texture = new ExternalTexture();
+    this._texture = new ExternalTexture(white(network.device));
     this._textureNode = passTexture(this, this._texture);
   }
 
@@ -37,20 +35,26 @@ export class LearnedAONode extends Node {
     return this._textureNode;
   }
 
-  setup() {
+  setup(builder) {
+    // The pass that makes them is rendered before this.
+    Object.assign(builder.getNodeProperties(this), {
+      depthNode: this.depthNode,
+      normalNode: this.normalNode,
+    });
     return this._textureNode;
   }
 
   updateBefore({ renderer }) {
-    const { width, height } = renderer.getDrawingBufferSize(size);
-    const held = (node) => renderer.backend.get(node.value).texture;
-    const [depth, normal] = [held(this.depthNode), held(this.normalNode)];
-    if (!depth || !normal || depth.width !== width || depth.height !== height) return;
+    const [depth, normal] = [this.depthNode, this.normalNode].map(
+      (node) => renderer.backend.get(node.value).texture,
+    );
+    if (!depth || !normal) return false;
+    const { width, height } = depth;
     if (this._plan?.width !== width || this._plan?.height !== height) this._resize(renderer, width, height);
     const focalLength = 0.5 * height * this.camera.projectionMatrix.elements[5];
     this._plan.set({ radius: this.radius.value, focalLength });
     const encoder = this.network.device.createCommandEncoder({ label: 'deepshade' });
-    this._reader.encode(encoder, this._plan, {
+    this._reader.encode(encoder, {
       depth: depth.createView({ aspect: 'depth-only' }),
       normal: normal.createView(),
       inverseProjection: this.camera.projectionMatrixInverse.elements,
@@ -58,25 +62,28 @@ export class LearnedAONode extends Node {
     this._plan.encode(encoder, this.timestampWrites);
     this._image.encode(encoder);
     this.network.device.queue.submit([encoder.finish()]);
+    return true;
   }
 
   _resize(renderer, width, height) {
     this._free();
     this._plan = this.network.plan(width, height);
+    this._reader = new TextureReader(this._plan, { background: renderer.reversedDepthBuffer ? 0 : 1 });
     this._image = new ImageTexture(this._plan);
-    const background = renderer.reversedDepthBuffer ? 0 : 1;
-    this._reader ??= new TextureReader(this.network.device, { background });
+    // Three.js holds what it knows of a texture until that is disposed of.
+    this._texture.dispose();
     this._texture.sourceTexture = this._image.texture;
     this._texture.needsUpdate = true;
   }
 
   _free() {
-    this._plan?.destroy();
-    this._image?.texture.destroy();
+    [this._image, this._reader, this._plan].forEach((made) => made?.destroy());
+    this._image = this._reader = this._plan = undefined;
   }
 
   dispose() {
     this._free();
+    this._texture.dispose();
     super.dispose();
   }
 }
@@ -84,3 +91,16 @@ export class LearnedAONode extends Node {
 /** A node with ambient occlusion by a network. */
 export const learnedAO = (depthNode, normalNode, camera, network) =>
   new LearnedAONode(depthNode, normalNode, camera, network);
+
+/** A pixel that nothing occludes, for frames before the first. */
+function white(device) {
+  const usage = GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST;
+  const texture = device.createTexture({
+    label: 'deepshade.white',
+    size: [1, 1],
+    format: 'rgba8unorm',
+    usage,
+  });
+  device.queue.writeTexture({ texture }, new Uint8Array(4).fill(255), { bytesPerRow: 4 }, [1, 1]);
+  return texture;
+}

@@ -60,5 +60,5 @@ mod tune;
 mod view;
 mod views;
 mod web;
-#[cfg(feature = "train")]
+
 pub use command_line::main;

@@ -1,5 +1,5 @@
-//! What `deepshade export --wgsl` writes of shipped networks, run by a host that knows nothing else: the passes of
-//! the methods whose images networks read are among the files.
+//! What `deepshade export --wgsl` writes of shipped networks, run by a host that knows nothing else: the
+//! passes of the methods whose images networks read are among the files.
 #![cfg(feature = "train")]
 
 #[path = "../infer/tests/common/host.rs"]

@@ -68,8 +68,8 @@ use thiserror::Error;
 /// How far an image that was made with feature maps in half floats may be off. A half float has 11 bits, so
 /// that a map's elements are off by at most 2^-12 of themselves, 2.4e-4. Every layer passes its inputs'
 /// errors on, which have either sign, and adds its own: ten times that of the largest element. Of noise at
-/// 768x512 the shipped `do-paper` comes to half of it, and `dof`, whose last layer predicts kernels, the exponents
-/// of which errors go into, to 0.84.
+/// 768x512 the shipped `do-paper` comes to half of it, and `dof`, whose last layer predicts kernels, the
+/// exponents of which errors go into, to 0.84.
 pub const HALF_TOLERANCE: Tolerance = Tolerance { of_rms: 0.0, of_largest: 2.5e-3 };
 
 /// Why a network does not run on a device.

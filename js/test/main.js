@@ -1,6 +1,6 @@
-// Checks networks against the frames that were exported with them, and times one of them beside onnxruntime-web
-// on the same device. Parameters of the address: `networks`, folders with commas between them; `onnx`, the
-// ONNX file of the last; `width`, `height` of what is timed.
+// Checks networks against the frames that were exported with them, and times one of them beside
+// onnxruntime-web on the same device. Parameters of the address: `networks`, folders with commas between
+// them; `onnx`, the ONNX file of the last; `width`, `height` of what is timed.
 
 import { check, load } from '../deepshade.js';
 import * as ort from 'onnxruntime-web/webgpu';
@@ -31,7 +31,12 @@ async function main() {
   if (wanted.has('onnx')) {
     const session = await ort.InferenceSession.create(wanted.get('onnx'), { executionProviders: ['webgpu'] });
     const channels = network.description.buffers.input.made[0].planes;
-    const input = new ort.Tensor('float32', new Float32Array(channels * width * height), [1, channels, height, width]);
+    const input = new ort.Tensor('float32', new Float32Array(channels * width * height), [
+      1,
+      channels,
+      height,
+      width,
+    ]);
     figures.ms_browser_onnxruntime = await timed(() => session.run({ [session.inputNames[0]]: input }));
   }
   if (refused.length > 0) throw new Error(refused[0]);

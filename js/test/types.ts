@@ -6,17 +6,18 @@ import { PerspectiveCamera } from 'three/webgpu';
 import { mrt, normalView, pass } from 'three/tsl';
 import { Scene } from 'three/webgpu';
 
-export async function frame(device: GPUDevice, depth: GPUTextureView, normal: GPUTextureView): Promise<number> {
+export async function frame(
+  device: GPUDevice,
+  depth: GPUTextureView,
+  normal: GPUTextureView,
+): Promise<number> {
   const network = await load('shaders/ao', device);
   const { stray } = await check('shaders/ao', network);
   const plan = network.plan(640, 480);
   const encoder = device.createCommandEncoder();
   plan.set({ radius: 0.5, focalLength: 500 });
-  new TextureReader(device, { normals: 'colour' }).encode(encoder, plan, {
-    depth,
-    normal,
-    inverseProjection: new Float32Array(16),
-  });
+  const inverseProjection = new Float32Array(16);
+  new TextureReader(plan, { normals: 'colour' }).encode(encoder, { depth, normal, inverseProjection });
   plan.encode(encoder);
   new ImageTexture(plan).encode(encoder);
   // @ts-expect-error: a frame has a radius.

@@ -12,8 +12,8 @@ pub struct Published {
     pub incomparable: Option<&'static str>,
 }
 
-/// The paper's target for indirect light is a screen-space method's image, and it knows one sky: its figures are
-/// those of `gi-paper` and `do-paper`.
+/// The paper's target for indirect light is a screen-space method's image, and it knows one sky: its figures
+/// are those of `gi-paper` and `do-paper`.
 const TABLE: [Published; 10] = [
     row("ao", 0.805, 9.0),
     row("gi-paper", 0.798, 28.0),

@@ -12,8 +12,8 @@ use serde_json::json;
 /// Rows and columns.
 const SIZE: [usize; 2] = [96, 160];
 
-/// `check.json` with the frame's numbers, and `check.NAME.bin` with the content of the buffer of each attribute
-/// that a host fills, and of its image.
+/// `check.json` with the frame's numbers, and `check.NAME.bin` with the content of the buffer of each
+/// attribute that a host fills, and of its image.
 ///
 /// # Errors
 /// If the room cannot be seen, or the network does not run.

@@ -38,7 +38,10 @@ fn listed(list: &Path) -> Vec<String> {
         std::fs::read(list).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default();
     let passes = network["passes"].as_array().into_iter().flatten();
     let buffers = network["buffers"].as_object().into_iter().flat_map(|buffers| buffers.values());
-    let files = passes.chain(buffers).filter_map(|listed| listed["file"].as_str()).flat_map(in_any_language);
+    // Lists of older versions name the files of weights beside the shader.
+    let keys =
+        |listed: &'_ Value| ["file", "reads", "weights"].map(|key| listed[key].as_str().map(str::to_owned));
+    let files = passes.chain(buffers).flat_map(keys).flatten().flat_map(|file| in_any_language(&file));
     let attributes = network["attributes"].as_array().into_iter().flatten();
     let checks = attributes.filter_map(Value::as_str).map(|attribute| format!("check.{attribute}.bin"));
     files.chain(checks).filter(|name| is_plain(name)).collect()

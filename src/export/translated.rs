@@ -1,4 +1,5 @@
-//! The shaders of a network in other languages than WGSL, translated by naga: for engines that do not take WGSL.
+//! The shaders of a network in other languages than WGSL, translated by naga: for engines that do not take
+//! WGSL.
 
 use anyhow::{Context, Result};
 use deepshade_infer::forward::File;
@@ -10,11 +11,12 @@ use naga::{Module, ResourceBinding, ShaderStage};
 /// A language of shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Language {
-    /// For Direct3D: shader model 6.0; uniforms in b0, what is read in t, what is written in u, space 0
+    /// For Direct3D: shader model 6.0, with half floats 6.2; uniforms in b0, what is read in t, what is
+    /// written in u, space 0
     Hlsl,
     /// For OpenGL: version 4.50, bindings as in WGSL
     Glsl,
-    /// For Vulkan: version 1.3, set 0, bindings as in WGSL
+    /// For Vulkan 1.1: SPIR-V 1.3, set 0, bindings as in WGSL
     Spirv,
 }
 
@@ -64,10 +66,23 @@ impl Shader {
         self.module.entry_points[0].name.clone()
     }
 
+    /// Whether it has numbers of 16 bits. Before shader model 6.2 a `half` is a 32-bit float.
+    fn has_half_floats(&self) -> bool {
+        let half = |scalar: naga::Scalar| scalar == naga::Scalar::F16;
+        self.module.types.iter().any(|(_, kind)| match kind.inner {
+            naga::TypeInner::Scalar(scalar) | naga::TypeInner::Vector { scalar, .. } => half(scalar),
+            _ => false,
+        })
+    }
+
     fn hlsl(&self) -> Result<String> {
         // Registers are the numbers of bindings where nothing else is said.
         let options = hlsl::Options {
-            shader_model: hlsl::ShaderModel::V6_0,
+            shader_model: if self.has_half_floats() {
+                hlsl::ShaderModel::V6_2
+            } else {
+                hlsl::ShaderModel::V6_0
+            },
             zero_initialize_workgroup_memory: false,
             restrict_indexing: false,
             force_loop_bounding: false,
@@ -84,7 +99,7 @@ impl Shader {
         let options = glsl::Options {
             version: glsl::Version::Desktop(450),
             writer_flags: glsl::WriterFlags::empty(),
-            binding_map: bindings.map(|binding| (binding, number(&binding))).collect(),
+            binding_map: bindings.map(numbered).collect::<Result<_>>()?,
             zero_initialize_workgroup_memory: false,
         };
         let pipeline = glsl::PipelineOptions {
@@ -111,29 +126,44 @@ impl Shader {
     }
 }
 
-/// A binding's number.
-fn number(binding: &ResourceBinding) -> u8 {
-    u8::try_from(binding.binding).unwrap_or(u8::MAX)
+/// A binding with its number.
+fn numbered(binding: ResourceBinding) -> Result<(ResourceBinding, u8)> {
+    Ok((binding, u8::try_from(binding.binding)?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use deepshade_infer::forward::{Precision, wgsl_files};
-    use deepshade_infer::{AnalyticEstimate, Model, NetSpec, Reach, Weights};
+    use deepshade_infer::{AnalyticEstimate, ChannelOrder, Model, NetSpec, Reach, Weights};
+    use deepshade_render::methods::estimate::Estimator;
     use deepshade_shaders::Effect;
+    use deepshade_shaders::host::HostPasses;
 
-    fn files(precision: Precision) -> Vec<File> {
-        let reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
+    const REACH: Reach = Reach { radius: 1.0, diagonal_share: 0.1, height: 64 };
+
+    /// Those of a network with the passes of a method whose image it reads.
+    fn correcting(precision: Precision) -> Vec<File> {
         let estimate = AnalyticEstimate::new("gtao", "low");
-        let spec = NetSpec::corrected(Effect::Ao, 8, vec![estimate], reach).expect("it has one");
+        let spec = NetSpec::corrected(Effect::Ao, 8, vec![estimate], REACH).expect("it has one");
+        let gtao = Estimator::named(Effect::Ao, "gtao", "low").expect("it is known");
+        files(spec, precision, &gtao.host_passes().map_or_else(Vec::new, |passes| vec![passes]))
+    }
+
+    fn filtering() -> Vec<File> {
+        let dof = NetSpec::published(Effect::Dof, ChannelOrder::Interleaved, REACH).expect("it has one");
+        files(dof.predicting_kernels().expect("it reads light"), Precision::F32, &[])
+    }
+
+    fn files(spec: NetSpec, precision: Precision, estimates: &[HostPasses]) -> Vec<File> {
         let model = Model { weights: Weights::random(&spec, 1), spec };
-        wgsl_files(&model, precision, &[]).expect("files").files
+        wgsl_files(&model, precision, estimates).expect("files").files
     }
 
     #[test]
     fn every_shader_is_there_in_every_language() {
-        let files = files(Precision::F32);
+        let files = [correcting(Precision::F32), filtering()].concat();
+        assert!(files.iter().any(|(name, _)| name == "00_gtao.wgsl"), "the method's passes are among them");
         let count = files.iter().filter(|(name, _)| name.ends_with(".wgsl")).count();
         for (language, ending, marks) in [
             (Language::Hlsl, ".hlsl", "[numthreads("),
@@ -152,7 +182,7 @@ mod tests {
 
     #[test]
     fn what_a_language_does_not_have_is_said_with_the_shaders_name() {
-        let refused = translated(&files(Precision::F16), Language::Glsl).expect_err("no half floats");
+        let refused = translated(&correcting(Precision::F16), Language::Glsl).expect_err("no half floats");
         assert!(format!("{refused:#}").contains(".wgsl in Glsl"), "{refused:#}");
     }
 }

@@ -32,8 +32,8 @@ const QUIET: &[&str] = &[
     "--disable-sync",
     "--window-size=1100,1400",
 ];
-/// How often the page is looked at.
-const PAUSE: Duration = Duration::from_millis(200);
+/// How often a page is looked at.
+pub const PAUSE: Duration = Duration::from_millis(200);
 /// How long the driver may take to start.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// How long a script may take: one that asks for values waits for the frames before, which take a software
@@ -56,7 +56,7 @@ pub fn ensure() -> Result<()> {
 
 /// A browser with its driver, which ends with it.
 pub struct Browser {
-    driver: WebDriver,
+    pub(crate) driver: WebDriver,
     _process: Process,
 }
 
@@ -131,93 +131,6 @@ impl Browser {
         self.asked(&format!("return document.getElementById('{id}').textContent")).await
     }
 
-    /// How many pixels wide the file of an image is.
-    ///
-    /// # Errors
-    /// If there is no such image.
-    pub async fn width(&self, id: &str) -> Result<f64> {
-        self.asked(&format!("return document.getElementById('{id}').naturalWidth")).await
-    }
-
-    /// Where the border is, percent of the width.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub async fn border(&self) -> Result<f64> {
-        self.asked("return parseFloat(document.getElementById('wiped').style.getPropertyValue('--border'))")
-            .await
-    }
-
-    /// What an element shows, without what lies over the images and moves with the border: that, its thumb
-    /// and names.
-    ///
-    /// # Errors
-    /// If it is not there.
-    pub async fn uncovered(&self, place: By) -> Result<Vec<u8>> {
-        self.cover("hidden").await?;
-        let seen = self.find(place).await?.screenshot_as_png().await?;
-        self.cover("visible").await?;
-        Ok(seen)
-    }
-
-    /// Shows what lies over the images, or hides it.
-    async fn cover(&self, visibility: &str) -> Result<()> {
-        let covers = "#wiped .border, #wiped .tag, #wipe";
-        let script = format!(
-            "for (const cover of document.querySelectorAll('{covers}')) cover.style.visibility = '{visibility}'"
-        );
-        self.driver.execute(script, Vec::new()).await?;
-        Ok(())
-    }
-
-    /// A figure of the table, such as `hbao.ms`.
-    ///
-    /// # Errors
-    /// If it is not there or is no number.
-    pub async fn figure(&self, name: &str) -> Result<f64> {
-        let script = format!("return document.querySelector('[data-figure=\"{name}\"]').textContent");
-        let text: String = self.asked(&script).await.with_context(|| name.to_owned())?;
-        text.parse().with_context(|| format!("{name} is `{text}`"))
-    }
-
-    /// The values that a method made, `[channels, height, width]`.
-    ///
-    /// # Errors
-    /// If there is no such method.
-    pub async fn values(&self, method: &str) -> Result<Vec<f64>> {
-        let script = format!(
-            "const done = arguments[0]; deepshade.values('{method}').then((values) => done(Array.from(values)), (error) => done(String(error)))"
-        );
-        let answer = self.driver.execute_async(script, Vec::new()).await?;
-        match answer.json() {
-            serde_json::Value::Array(_) => Ok(answer.convert()?),
-            other => bail!("the page says: {other}"),
-        }
-    }
-
-    /// What the browser's compiler says of the program's shaders that it refuses, a line an error, and how
-    /// many shaders there are.
-    ///
-    /// # Errors
-    /// If the browser has no device.
-    pub async fn refused_shaders(&self) -> Result<(usize, Vec<String>)> {
-        let script = "const done = arguments[0];
-            (async () => {
-                const device = await (await navigator.gpu.requestAdapter()).requestDevice();
-                const all = deepshade.shaders(), refused = [];
-                for (const [name, code] of all) {
-                    device.pushErrorScope('validation');
-                    const module = device.createShaderModule({ code });
-                    for (const { type, lineNum, message } of (await module.getCompilationInfo()).messages)
-                        if (type === 'error') refused.push(`${name}, line ${lineNum}: ${message}`);
-                    await device.popErrorScope();
-                }
-                device.destroy();
-                return [all.length, refused];
-            })().then(done, (error) => done([0, [String(error)]]));";
-        Ok(self.driver.execute_async(script, Vec::new()).await?.convert()?)
-    }
-
     /// Waits until the page's body has a datum, which is returned.
     ///
     /// # Errors
@@ -235,37 +148,6 @@ impl Browser {
             ensure!(began.elapsed() < patience, "the page is not ready after {} s", patience.as_secs());
             tokio::time::sleep(PAUSE).await;
         }
-    }
-
-    /// Waits until the page is in a state.
-    ///
-    /// # Errors
-    /// If it fails, or time is over.
-    pub async fn until(&self, state: &str, patience: Duration) -> Result<()> {
-        let began = Instant::now();
-        loop {
-            let now: String = self.asked("return document.body.dataset.state || ''").await?;
-            if now == state {
-                return Ok(());
-            }
-            let said = self.text("message").await?;
-            ensure!(now != "failed" && !said.starts_with("The page stopped"), "the page says: {said}");
-            ensure!(began.elapsed() < patience, "the page is `{now}` and says: {said}");
-            tokio::time::sleep(PAUSE).await;
-        }
-    }
-
-    /// Waits for so many samples of truth.
-    ///
-    /// # Errors
-    /// If time is over.
-    pub async fn until_samples(&self, samples: usize, patience: Duration) -> Result<()> {
-        let began = Instant::now();
-        while self.asked::<f64>("return Number(document.body.dataset.samples || 0)").await? < samples as f64 {
-            ensure!(began.elapsed() < patience, "truth: {}", self.text("truth").await?);
-            tokio::time::sleep(PAUSE).await;
-        }
-        Ok(())
     }
 
     /// What an expression of the page comes to, which may be a promise.
@@ -292,7 +174,11 @@ impl Browser {
         Ok(self.find(of).await?.screenshot_as_png().await?)
     }
 
-    async fn asked<T: serde::de::DeserializeOwned>(&self, script: &str) -> Result<T> {
+    /// What a script returns.
+    ///
+    /// # Errors
+    /// If it fails.
+    pub async fn asked<T: serde::de::DeserializeOwned>(&self, script: &str) -> Result<T> {
         Ok(self.driver.execute(script, Vec::new()).await?.convert()?)
     }
 }

@@ -57,8 +57,8 @@ enum Verb {
     /// with deepshade, and compares every effect pixel by pixel: `deepshade-studies crosscheck` with the
     /// arguments.
     Crosscheck(Passed),
-    /// Tests what deepshade is used from: the page's package in headless Chromium, in a page of its own and in
-    /// three.js, beside onnxruntime-web; and the Python package with PyTorch, in an environment below the
+    /// Tests what deepshade is used from: the page's package in headless Chromium, in a page of its own and
+    /// in three.js, beside onnxruntime-web; and the Python package with PyTorch, in an environment below the
     /// target folder (some gigabytes).
     Hosts(hosts::Args),
     /// Makes networks in `models` from nothing: data, training, export, test set, evaluation, parity, and

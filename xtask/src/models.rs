@@ -103,7 +103,7 @@ const BUDGETS: [Budget; 14] = [
         streamed: None,
     },
     Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None, streamed: None },
-    Budget { name: "gi", steps: 6_000, streamed: on(&GI, ["corrected", "16", "surfel:low"]), ..CORRECTED },
+    Budget { name: "gi", steps: 9_000, streamed: on(&GI, ["corrected", "16", "surfel:medium"]), ..CORRECTED },
     Budget {
         name: "gi-paper",
         steps: 16_000,
@@ -145,8 +145,8 @@ const BUDGETS: [Budget; 14] = [
 ];
 
 /// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,
-/// fourteen of `ao-small`, eight of `gi` and of `do`, while they render the views: half an hour to an hour and a
-/// half.
+/// fourteen of `ao-small`, eight of `gi` and of `do`, while they render the views: half an hour to an hour
+/// and a half.
 const CORRECTED: Budget =
     Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
 

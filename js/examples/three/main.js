@@ -1,8 +1,20 @@
-// A scene under a sky with ambient occlusion of three.js on the left of a border and of deepshade on the right.
-// Parameters of the address: `network`, the folder of a network's files; `scene`, a glTF file; `width`, `height`.
+// A scene under a sky with ambient occlusion of three.js on the left of a border and of deepshade on the
+// right. Parameters of the address: `network`, the folder of a network's files; `scene`, a glTF file;
+// `width`, `height`.
 
 import * as THREE from 'three/webgpu';
-import { builtinAOContext, float, mix, mrt, normalView, pass, screenUV, step, uniform, vec4 } from 'three/tsl';
+import {
+  builtinAOContext,
+  float,
+  mix,
+  mrt,
+  normalView,
+  pass,
+  screenUV,
+  step,
+  uniform,
+  vec4,
+} from 'three/tsl';
 import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
@@ -15,10 +27,14 @@ const [width, height] = [number('width', 960), number('height', 640)];
 const element = (id) => document.getElementById(id);
 
 async function main() {
-  const renderer = new THREE.WebGPURenderer({ antialias: false, trackTimestamp: true });
+  // Frames of a full screen need larger buffers than devices allow unasked.
+  const adapter = await navigator.gpu?.requestAdapter();
+  if (!adapter) throw new Error('this browser has no WebGPU');
+  const { maxStorageBufferBindingSize, maxBufferSize } = adapter.limits;
+  const requiredLimits = { maxStorageBufferBindingSize, maxBufferSize };
+  const renderer = new THREE.WebGPURenderer({ antialias: false, requiredLimits });
   renderer.setSize(width, height);
   await renderer.init();
-  if (!renderer.backend.isWebGPUBackend) throw new Error('this browser has no WebGPU');
   element('view').prepend(renderer.domElement);
 
   const scene = new THREE.Scene();
@@ -39,7 +55,11 @@ async function main() {
   const ours = learnedAO(depth, normal, camera, network);
   const border = uniform(0.5);
   const right = step(border, screenUV.x);
-  const openness = mix(theirs.getTextureNode().sample(screenUV).r, ours.getTextureNode().sample(screenUV).r, right);
+  const openness = mix(
+    theirs.getTextureNode().sample(screenUV).r,
+    ours.getTextureNode().sample(screenUV).r,
+    right,
+  );
   const lit = pass(scene, camera, { samples: 0 });
   lit.contextNode = builtinAOContext(openness);
 
@@ -95,7 +115,8 @@ function things() {
   put(new THREE.SphereGeometry(0.45, 48, 24), 0.3, 0.45, -0.2);
   put(new THREE.TorusKnotGeometry(0.35, 0.12, 160, 24), 1.1, 0.6, 0.4);
   put(new THREE.CylinderGeometry(0.2, 0.2, 1.4, 32), -1.4, 0.7, 0.6);
-  for (let i = 0; i < 6; i++) put(new THREE.BoxGeometry(0.16, 0.2 + 0.1 * i, 0.5), -0.7 + 0.2 * i, 0.1 + 0.05 * i, 1.2);
+  for (let i = 0; i < 6; i++)
+    put(new THREE.BoxGeometry(0.16, 0.2 + 0.1 * i, 0.5), -0.7 + 0.2 * i, 0.1 + 0.05 * i, 1.2);
   return group;
 }
 

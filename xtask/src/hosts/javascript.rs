@@ -72,7 +72,8 @@ async fn checked(address: &str) -> Result<Vec<(String, f64)>> {
     Ok(found)
 }
 
-/// The example with three.js: what its node and three.js's own take, and that both darken the frame.
+/// The example with three.js: what its node and three.js's own take, and that both darken the frame, at another
+/// size and with no other node, too.
 async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
     let browser = Browser::open(WEBGPU).await?;
     let [height, width] = SIZE;
@@ -80,13 +81,16 @@ async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
     let page = format!("{address}/examples/three/index.html?network={network}&height={height}&width={width}");
     browser.goto(&page).await?;
     browser.until_datum("frames", PATIENCE).await?;
-    let measured = browser.evaluated("import('/test/three.js').then((test) => test.measured())").await?;
     let picture = browser.picture(By::Tag("canvas")).await?;
     fs::write(stage.join("three.png"), picture)?;
+    let alone = browser.evaluated("import('/test/three.js').then((test) => test.alone())").await?;
+    let darker = alone.as_f64().with_context(|| format!("the node alone: {alone}"))?;
+    ensure!(darker > 0.01, "the node alone darkens the frame by {darker}");
+    let measured = browser.evaluated("import('/test/three.js').then((test) => test.measured())").await?;
     browser.quit().await?;
     let figure =
         |name: &str| measured[name].as_f64().with_context(|| format!("no figure {name}: {measured}"));
-    for name in ["mean_learned", "mean_gtao"] {
+    for name in ["mean_learned", "mean_gtao", "mean_learned_resized"] {
         let mean = figure(name)?;
         ensure!((0.5..0.99).contains(&mean), "{name} is {mean}: nothing is occluded, or all");
     }

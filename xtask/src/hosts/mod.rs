@@ -1,5 +1,5 @@
-//! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from, each in the real
-//! thing.
+//! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from, each in the
+//! real thing.
 
 #[cfg(feature = "browser")]
 mod javascript;

@@ -2,6 +2,8 @@
 //! adapter, the images that the program computes on this machine; its slider and its figures must work; and
 //! without WebGPU it must say so and show what was recorded.
 
+mod page;
+
 use super::serve::Server;
 use crate::browser::{self, Browser, WEBGPU};
 use crate::command::{self, target};
