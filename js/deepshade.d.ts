@@ -86,7 +86,8 @@ export interface Textures {
 export class TextureReader {
   /**
    * `normals` says what the texture of normals holds: components from -1 to 1, or from 0 to 1. `background`
-   * is the depth where nothing is seen: 1, or 0 with reversed depth. /
+   * is the depth where nothing is seen: 1, or 0 with reversed depth.
+   */
   constructor(plan: Plan, options?: { normals?: 'unit' | 'colour'; background?: 0 | 1 });
   /** Records it. */
   encode(encoder: GPUCommandEncoder, textures: Textures): void;

@@ -22,7 +22,8 @@ export async function load(url, device) {
 
 /**
  * Runs a network on the frame that was exported with it. Resolves to how far its image is off at most, and
- * the share of its values that are off by more than 1e-3: below .01 all is well. /
+ * the share of its values that are off by more than 1e-3: below .01 all is well.
+ */
 export async function check(url, network) {
   const folder = folderOf(url);
   const held = JSON.parse(await text(folder, 'check.json'));
@@ -79,7 +80,8 @@ export class Network {
 
   /**
    * Bytes of the buffers that a frame of a size needs, by their names, those of attributes among them. A
-   * device has to allow the largest as `maxStorageBufferBindingSize` and `maxBufferSize`. /
+   * device has to allow the largest as `maxStorageBufferBindingSize` and `maxBufferSize`.
+   */
   bytes(width, height) {
     const made = Object.entries(this.description.buffers).filter(([, buffer]) => !buffer.file);
     const size = (parts) =>
@@ -149,7 +151,8 @@ export class Plan {
 
   /**
    * Tells the passes of a frame, from the next submission on: `radius` in the unit of positions,
-   * `focalLength` in pixels, `exposure` for networks that read light. /
+   * `focalLength` in pixels, `exposure` for networks that read light.
+   */
   set({ radius, focalLength, exposure = 1, seed = 0 }) {
     for (const [name, value] of Object.entries({ radius, focalLength, exposure, seed })) {
       if (!Number.isFinite(value)) throw new Error(`deepshade: ${name} is ${value}; a number is wanted`);

@@ -2,7 +2,8 @@
 
 /**
  * Writes the buffers `position`, `normal` and `valid` of a plan from what a rasteriser has: a depth texture
- * and a texture of normals in camera space. Camera space has x to the right, y up and z towards the camera. /
+ * and a texture of normals in camera space. Camera space has x to the right, y up and z towards the camera.
+ */
 export class TextureReader {
   /**
    * `normals` says what the texture of normals holds: `unit`, components from -1 to 1, or `colour`, from 0 to

@@ -14,7 +14,8 @@ export class LearnedAONode extends Node {
 
 /**
  * Ambient occlusion by a network, in the place of three.js's `ao`. `depthNode` and `normalNode` are textures
- * of a pass without multisampling, normals by `normalView`. /
+ * of a pass without multisampling, normals by `normalView`.
+ */
 export function learnedAO(
   depthNode: TextureNode,
   normalNode: TextureNode,
