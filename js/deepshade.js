@@ -5,6 +5,9 @@ export { ImageTexture, TextureReader } from './textures.js';
 
 /** Fetches a network's files and compiles its passes. */
 export async function load(url, device) {
+  if (!device?.createBindGroupLayout) {
+    throw new Error('deepshade: no GPUDevice was given; has the renderer fallen back to WebGL?');
+  }
   const folder = folderOf(url);
   const description = JSON.parse(await text(folder, 'network.json'));
   if (description.half && !device.features.has('shader-f16')) {
@@ -112,7 +115,11 @@ export class Plan {
   constructor(network, size, attributes) {
     const { device, description } = network;
     const [height, width] = size;
+    if (!size.every((number) => Number.isInteger(number) && number > 0)) {
+      throw new Error(`deepshade: frames of ${width}x${height}; whole numbers above 0 are wanted`);
+    }
     const bytes = network.bytes(width, height);
+    suited(network, bytes, attributes);
     allowed(device, `${width}x${height}`, bytes);
     Object.assign(this, { network, size, width, height, own: [] });
     const made = (name) => this.#made(name, bytes[name], STORAGE);
@@ -157,6 +164,7 @@ export class Plan {
     for (const [name, value] of Object.entries({ radius, focalLength, exposure, seed })) {
       if (!Number.isFinite(value)) throw new Error(`deepshade: ${name} is ${value}; a number is wanted`);
     }
+    this.isTold = true;
     const frame = { radius, focal_length: focalLength, exposure, seed };
     for (const { pass, run, uniform } of this.steps) {
       const told = new DataView(new ArrayBuffer(pass.uniform_bytes));
@@ -172,6 +180,7 @@ export class Plan {
 
   /** Records the passes, in a compute pass of their own. */
   encode(encoder, timestampWrites) {
+    if (!this.isTold) throw new Error('deepshade: call set of the plan before encode');
     const compute = encoder.beginComputePass({ label: 'deepshade', timestampWrites });
     for (const { pass, group, groups } of this.steps) {
       compute.setPipeline(pass.pipeline);
@@ -214,6 +223,18 @@ function numberOf(value, frame, size) {
   return value.constant;
 }
 
+/** Throws if buffers that are given are not attributes of a network, or too small. */
+function suited(network, bytes, given) {
+  const names = network.attributes.map(({ name }) => name);
+  for (const [name, buffer] of Object.entries(given)) {
+    if (!names.includes(name))
+      throw new Error(`deepshade: the network reads ${names.join(', ')}, not ${name}`);
+    if (buffer.size < bytes[name]) {
+      throw new Error(`deepshade: the buffer ${name} has ${buffer.size} bytes; ${bytes[name]} are needed`);
+    }
+  }
+}
+
 /** Throws if a device does not allow buffers of these sizes. */
 function allowed(device, frame, sizes) {
   const { maxStorageBufferBindingSize, maxBufferSize } = device.limits;
@@ -221,8 +242,8 @@ function allowed(device, frame, sizes) {
   for (const [name, size] of Object.entries(sizes)) {
     if (size > limit) {
       throw new Error(
-        `deepshade: frames of ${frame} need ${size} bytes for ${name}, the device allows ${limit}; ask for more ` +
-          'in requiredLimits: maxStorageBufferBindingSize and maxBufferSize, or for smaller frames',
+        `deepshade: frames of ${frame} need ${size} bytes for ${name}, the device allows ${limit}; ask for ` +
+          'more in requiredLimits (maxStorageBufferBindingSize, maxBufferSize), or for smaller frames',
       );
     }
   }

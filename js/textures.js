@@ -39,6 +39,9 @@ export class TextureReader {
   /** Records it: two texture views, and 16 numbers, column after column. */
   encode(encoder, { depth, normal, inverseProjection }) {
     const { device } = this.plan.network;
+    if (inverseProjection?.length !== 16) {
+      throw new Error('deepshade: inverseProjection is missing; 16 numbers are wanted, column after column');
+    }
     const told = new DataView(new ArrayBuffer(80));
     Array.from(inverseProjection).forEach((number, index) => told.setFloat32(4 * index, number, true));
     told.setUint32(64, this.plan.width, true);

@@ -49,6 +49,7 @@ export class LearnedAONode extends Node {
       (node) => renderer.backend.get(node.value).texture,
     );
     if (!depth || !normal) return false;
+    if (depth.sampleCount > 1) throw new Error('learnedAO: the pass that makes depth wants { samples: 0 }');
     const { width, height } = depth;
     if (this._plan?.width !== width || this._plan?.height !== height) this._resize(renderer, width, height);
     const focalLength = 0.5 * height * this.camera.projectionMatrix.elements[5];
@@ -66,6 +67,9 @@ export class LearnedAONode extends Node {
   }
 
   _resize(renderer, width, height) {
+    if (renderer.logarithmicDepthBuffer || !this.camera.isPerspectiveCamera) {
+      throw new Error('learnedAO wants a perspective camera and no logarithmic depth buffer');
+    }
     this._free();
     this._plan = this.network.plan(width, height);
     this._reader = new TextureReader(this._plan, { background: renderer.reversedDepthBuffer ? 0 : 1 });
