@@ -37,8 +37,9 @@ const LICENCE: &str = "MIT OR Apache-2.0";
     deepshade export --model models/ao --wgsl shaders/ao\n  \
     deepshade export --model models/ao --wgsl shaders/ao --also hlsl\n  \
     deepshade export --model models/ao --metrics eval.json\n\n\
-    --wgsl writes a compute shader for every pass from a g-buffer to the image, packed weights, network.json with the \
-    passes and what they bind, a frame to check with, and HOST.md, which says what a host must do.")]
+    --wgsl writes a compute shader for every pass from a g-buffer to the image, packed weights, \
+    network.json with the passes and what they bind, a frame to check with, and HOST.md, which says what a \
+    host must do.")]
 pub struct Args {
     /// Folder or address of the training run.
     #[arg(long, requires = "out")]
