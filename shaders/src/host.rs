@@ -225,12 +225,6 @@ impl HostPass {
         self
     }
 
-    /// As [`told`](Self::told), with values in the order of the fields.
-    pub fn told_all(self, layout: &Layout, values: &[HostValue]) -> Self {
-        let held = |name: &str| layout.fields.iter().position(|field| field.name == name);
-        self.told(layout, |name| held(name).map_or(HostValue::Constant(0.0), |index| values[index]))
-    }
-
     /// With a storage buffer in a binding.
     pub fn bind(mut self, binding: u32, buffer: HostBinding) -> Self {
         self.bindings.insert(binding, buffer);

@@ -90,7 +90,8 @@ pub fn host_passes(blur: &BlurParameters, effect: Effect, from: &str, to: &str) 
         let layout = &uniforms::Blur::LAYOUT;
         let told =
             host::values(layout, |view| bytemuck::bytes_of(&blur.settings(view, effect)[index]).to_vec())?;
-        let mut pass = HostPass::new(name, source.clone(), Extent::IMAGE, TILE).told_all(layout, &told);
+        let mut pass =
+            HostPass::new(name, source.clone(), Extent::IMAGE, TILE).told(layout, |field| told[field]);
         for (binding, attribute) in (1..).zip([Attribute::Position, Attribute::Normal, Attribute::Valid]) {
             pass = pass.bind(binding, HostBinding::read(attribute.name()));
         }

@@ -94,7 +94,7 @@ impl<M: Marched> Technique for M {
         }
         let told = host::values(&M::March::LAYOUT, |view| bytes_of(&self.march(view)).to_vec())?;
         let mut march = HostPass::new(M::NAME, M::SHADER.specialised(&[]), Extent::IMAGE, TILE)
-            .told_all(&M::March::LAYOUT, &told);
+            .told(&M::March::LAYOUT, |field| told[field]);
         for (binding, attribute) in (1..).zip(M::ATTRIBUTES) {
             march = march.bind(binding, HostBinding::read(attribute.name()));
         }

@@ -5,6 +5,10 @@ use crate::scene::Camera;
 use deepshade_shaders::host::{Extent, FrameNumber, HostValue};
 use deepshade_shaders::wgsl::uniforms::{Field, Layout};
 use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// What fields hold, by their names.
+pub type Values = BTreeMap<&'static str, HostValue>;
 
 /// What a frame has, of which one is doubled to see which fields follow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +38,9 @@ impl Quantity {
     }
 }
 
-/// What the fields of a uniform buffer hold in any frame, by what `told` has for a few views. None if a field
-/// is neither a constant, nor rows or columns, nor a number of the frame times or under a constant.
-pub fn values(layout: &Layout, told: impl Fn(&View) -> Vec<u8>) -> Option<Vec<HostValue>> {
+/// What the fields of a uniform buffer hold in any frame, found by what `told` has for a few views. None if a
+/// field is neither a constant, nor rows or columns, nor a number of the frame times or under a constant.
+pub fn values(layout: &Layout, told: impl Fn(&View) -> Vec<u8>) -> Option<Values> {
     let base = told(&view(None));
     let doubled = QUANTITIES.map(|quantity| (quantity, told(&view(Some(quantity)))));
     let value = |field: &Field| {
@@ -50,7 +54,7 @@ pub fn values(layout: &Layout, told: impl Fn(&View) -> Vec<u8>) -> Option<Vec<Ho
             _ => None,
         }
     };
-    layout.fields.iter().map(value).collect()
+    layout.fields.iter().map(|field| Some((field.name, value(field)?))).collect()
 }
 
 /// What a field holds that is so many times as large where a quantity is doubled.
@@ -127,8 +131,8 @@ mod tests {
     fn assert_same(layout: &Layout, of: impl Fn(&View) -> Vec<u8>, view: &View) {
         let values = values(layout, &of).expect("each field follows one number");
         let bytes = of(view);
-        for (field, value) in layout.fields.iter().zip(&values) {
-            let (host, own) = (told(value, view), number(&bytes, field));
+        for field in layout.fields {
+            let (host, own) = (told(&values[field.name], view), number(&bytes, field));
             assert!((host - own).abs() <= 1e-5 * own.abs(), "{} {host} {own}", field.name);
         }
     }
