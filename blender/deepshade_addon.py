@@ -28,9 +28,10 @@ import sys
 import tempfile
 import time
 import zlib
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Iterator, Sequence
+from typing import Any
 
 import bpy
 import numpy as np
@@ -80,15 +81,31 @@ class Effect:
 
 
 EFFECTS = {
-    effect.name: effect
-    for effect in (
-        Effect("ao", "Ambient occlusion", "Open share of the hemisphere; Cycles' pass of the same distance", 1,
-               "Ambient Occlusion", True),
-        Effect("gi", "Indirect light", "Light of one diffuse bounce; Cycles' diffuse indirect pass, which knows "
-               "no radius", 3, "Diffuse Indirect", True),
-        Effect("do", "Sky light", "Light of the world where nothing blocks it; Cycles' diffuse direct pass "
-               "without lamps, which knows no radius", 3, "Diffuse Direct", False),
-    )
+    "ao": Effect(
+        name="ao",
+        label="Ambient occlusion",
+        description="Open share of the hemisphere; of Cycles the pass of the same distance",
+        channels=1,
+        reference="Ambient Occlusion",
+        lamps=True,
+    ),
+    "gi": Effect(
+        name="gi",
+        label="Indirect light",
+        description="Light of one diffuse bounce; of Cycles the indirect pass, which knows no radius",
+        channels=3,
+        reference="Diffuse Indirect",
+        lamps=True,
+    ),
+    "do": Effect(
+        name="do",
+        label="Sky light",
+        description="Light of the world that nothing blocks; of Cycles the direct pass without lamps, which "
+        "knows no radius",
+        channels=3,
+        reference="Diffuse Direct",
+        lamps=False,
+    ),
 }
 
 PASSES = {
@@ -103,7 +120,6 @@ PASSES = {
 """A pass' name in a file of Blender 5: its switch in a view layer, and its channels."""
 
 OLDER_NAMES = {
-    "Depth": "Depth",
     "Ambient Occlusion": "AO",
     "Diffuse Direct": "DiffDir",
     "Diffuse Indirect": "DiffInd",
@@ -156,7 +172,7 @@ def exr_attributes(data: bytes) -> tuple[dict[str, bytes], int]:
     """A header's attributes, and where it ends."""
     attributes, at = {}, 8
     while data[at]:
-        name, kind, rest = data[at : at + 600].split(b"\0", 2)
+        name, kind, _ = data[at : at + 600].split(b"\0", 2)
         at += len(name) + len(kind) + 2
         (size,) = struct.unpack_from("<i", data, at)
         attributes[name.decode()] = data[at + 4 : at + 4 + size]
@@ -269,8 +285,8 @@ class Program:
         if found is None:
             raise AddonError(
                 f"The program {path or 'deepshade'} is not there"
-                f"{'' if path else ' on PATH'}. Build it by `cargo build --release`, and state its path in the "
-                "add-on's preferences."
+                f"{'' if path else ' on PATH'}. Build it by `cargo build --release`, and state its path in "
+                "the add-on's preferences."
             )
         self.path = Path(found)
 
@@ -289,7 +305,9 @@ def models_folder(stated: str, program: str) -> Path:
         folder = Path(bpy.path.abspath(stated))
         if folder.is_dir():
             return folder
-        raise AddonError(f"There is no folder {folder}. State deepshade's folder `models` in the preferences.")
+        raise AddonError(
+            f"There is no folder {folder}. State deepshade's folder `models` in the preferences."
+        )
     for above in Program(program).path.resolve().parents[:4]:
         if (above / "models").is_dir():
             return above / "models"
@@ -391,7 +409,7 @@ def plain_camera(source: bpy.types.Scene, view_layer: str, undo: contextlib.Exit
 
 
 def hide_lamps(undo: contextlib.ExitStack) -> None:
-    """Hides all lamps from renders until undone. Lamps belong to all scenes at once, so copies are no help."""
+    """Hides all lamps from renders until undone. They belong to all scenes at once: a copy is no help."""
     for lamp in [one for one in bpy.data.objects if one.type == "LIGHT" and not one.hide_render]:
         lamp.hide_render = True
         undo.callback(setattr, lamp, "hide_render", False)
@@ -520,7 +538,7 @@ def gbuffer_of(
 
 
 def rigid(camera_to_world: Matrix) -> tuple[np.ndarray, np.ndarray]:
-    """A camera's axes as columns, of length 1, and where it stands: `(point - eye) @ axes` is camera space."""
+    """A camera's axes as columns, of length 1, and where it stands: `(p - eye) @ axes` is camera space."""
     matrix = np.array(camera_to_world, dtype=np.float64)
     axes = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
     return axes, matrix[:3, 3]
@@ -548,13 +566,14 @@ def estimate(
 ) -> np.ndarray:
     """The image `[height, width, 3]` of the method that a network corrects, by deepshade, of the scene.
 
-    deepshade gets the scene as glTF, in the scene's units, and the world as an image. The radius is in metres.
+    deepshade gets the scene as glTF, in the scene's units, and the world as an image. The radius is in
+    metres.
     """
     data = stage.camera.data
     if data.shift_x != 0.0 or data.shift_y != 0.0:
         raise AddonError(
-            "The camera's lens is shifted, which glTF cannot say. Set shift to 0, or choose a network that needs "
-            f"no `{network.method}`."
+            "The camera's lens is shifted, which glTF cannot say. Set shift to 0, or choose a network that "
+            f"needs no `{network.method}`."
         )
     scene_file, world_file = stage.folder / "scene.glb", stage.folder / "world.exr"
     export_scene(stage, scene_file)
@@ -566,14 +585,14 @@ def estimate(
         "--effect", effect.name, "--methods", network.method, "--quality", network.quality,
         "--radius", radius / stage.metres, "--height", height, "--width", width, "--spp", 8, "--out", out,
     )  # fmt: skip
-    found = [file for file in out.rglob(f"{network.method}*.exr")]
+    found = list(out.rglob(f"{network.method}*.exr"))
     if len(found) != 1:
         raise AddonError(f"deepshade made {len(found)} images by {network.method}, and not one.")
     return layer(read_exr(found[0]), effect.name, "RGB")
 
 
 def export_scene(stage: Stage, path: Path) -> None:
-    """Writes what is rendered of a stage as glTF, with watts as glTF's `COMPAT` has them, which are Cycles'."""
+    """Writes what is rendered of a stage as glTF; lights as `COMPAT` has them, which is as Cycles does."""
     with contextlib.ExitStack() as undo:
         for panel in area_lamps(stage, undo):
             stage.scene.collection.objects.link(panel)
@@ -611,9 +630,7 @@ def shining_panel(lamp: bpy.types.Object, undo: contextlib.ExitStack) -> bpy.typ
     return panel
 
 
-def shining(
-    colour: Sequence[float], radiance: float, undo: contextlib.ExitStack
-) -> bpy.types.Material:
+def shining(colour: Sequence[float], radiance: float, undo: contextlib.ExitStack) -> bpy.types.Material:
     """A material that emits a radiance, on its front alone."""
     material = bpy.data.materials.new("deepshade_lamp")
     undo.callback(bpy.data.materials.remove, material)
@@ -634,7 +651,7 @@ WORLD_SIZE = (512, 256)
 
 
 def render_world(stage: Stage, path: Path) -> None:
-    """Writes a stage's world as an equirectangular image, as deepshade has it: -y of Blender in the middle."""
+    """Writes a stage's world as an equirectangular image as deepshade has it: Blender's -y in its middle."""
     with contextlib.ExitStack() as undo:
         scene = bpy.data.scenes.new("deepshade_world")
         undo.callback(bpy.data.scenes.remove, scene)
@@ -775,9 +792,7 @@ def compared(
     lit = seen & (passes["Diffuse Color"].max(axis=-1) > 0.01) if effect.is_light else seen
     reference = passes[effect.reference][..., : effect.channels]
     notes = [line for line in said.splitlines() if line]
-    return Comparison(
-        effect.name, network.folder.name, radius, learned, reference, lit, clock.seconds, notes
-    )
+    return Comparison(effect.name, network.folder.name, radius, learned, reference, lit, clock.seconds, notes)
 
 
 def infer(
@@ -798,6 +813,7 @@ class Clock:
     """How long each part of the work took, seconds."""
 
     def __init__(self) -> None:
+        """Begins the first part."""
         self.seconds: dict[str, float] = {}
         self._since = time.perf_counter()
 
@@ -815,8 +831,8 @@ class Clock:
 def picture(learned: np.ndarray, cycles: np.ndarray, layout: str, split: float) -> np.ndarray:
     """Both images in one, `[height, width, 3]`, under one exposure.
 
-    `SPLIT` shows the network's up to the share `split` of the width, and from there Cycles'. `SIDES` shows one
-    beside the other, and `DIFFERENCE` how far they are apart, too.
+    `SPLIT` shows the network's up to the share `split` of the width, and from there Cycles'. `SIDES` shows
+    one beside the other, and `DIFFERENCE` how far they are apart, too.
     """
     both = [np.broadcast_to(image, (*image.shape[:2], 3)) for image in (learned, cycles)]
     white = float(np.percentile(cycles, 99.0)) if learned.shape[-1] == 3 else 1.0
@@ -907,11 +923,14 @@ class Job:
     def __init__(self, order: Order, folder: Path) -> None:
         """Begins. The folder is the job's own, and is removed by `close`."""
         self.folder = folder
+        folder.mkdir(exist_ok=True)
         (folder / "order.json").write_text(json.dumps(asdict(order)), encoding="utf-8")
-        with open(folder / "log.txt", "wb") as log:
+        # What it makes for itself goes with the folder, also where it is killed.
+        within = os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(folder))
+        with (folder / "log.txt").open("wb") as log:
             self._process = subprocess.Popen(
                 second_blender(order.file, folder), stdin=subprocess.DEVNULL, stdout=log,
-                stderr=subprocess.STDOUT, start_new_session=os.name == "posix",
+                stderr=subprocess.STDOUT, env=within, start_new_session=os.name == "posix",
             )  # fmt: skip
 
     def is_running(self) -> bool:
@@ -1060,7 +1079,7 @@ class Settings(bpy.types.PropertyGroup):
     )
     network: bpy.props.EnumProperty(name="Network", items=network_items)
     radius: bpy.props.FloatProperty(
-        name="Radius (m)", description="How far the effect reaches, metres", default=0.5, min=0.001, soft_max=20.0
+        name="Radius (m)", description="How far the effect reaches", default=0.5, min=0.001, soft_max=20.0
     )
     samples: bpy.props.IntProperty(
         name="Samples", description="Samples of a pixel that Cycles takes", default=64, min=1, max=16384
@@ -1105,9 +1124,10 @@ class CompareOperator(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         cls.is_cancelled, cls.told, settings.said = False, (0.0, "starting"), ""
-        self._scene, self._timer = context.scene, context.window_manager.event_timer_add(0.2, window=context.window)
-        context.window_manager.progress_begin(0.0, 1.0)
-        context.window_manager.modal_handler_add(self)
+        windows = context.window_manager
+        self._scene, self._timer = context.scene, windows.event_timer_add(0.2, window=context.window)
+        windows.progress_begin(0.0, 1.0)
+        windows.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -1282,7 +1302,7 @@ def unregister() -> None:
 
 
 def main(arguments: Sequence[str]) -> None:
-    """`blender --background scene.blend --python deepshade_addon.py -- --effect ao --network models/ao ...`"""
+    """`blender --background scene.blend --python deepshade_addon.py -- --effect ao --radius 1`"""
     parser = argparse.ArgumentParser(prog="deepshade_addon.py", description="An effect beside Cycles' own")
     parser.add_argument("--order", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--effect", choices=list(EFFECTS), default="ao")
@@ -1290,7 +1310,7 @@ def main(arguments: Sequence[str]) -> None:
     parser.add_argument("--radius", type=float, default=0.5, help="metres")
     parser.add_argument("--samples", type=int, default=64, help="samples of a pixel by Cycles")
     parser.add_argument("--program", default="", help="deepshade; by default the one on PATH")
-    parser.add_argument("--out", type=Path, default=Path("."), help="folder for comparison.exr and .json")
+    parser.add_argument("--out", type=Path, default=Path(), help="folder for comparison.exr and .json")
     given = parser.parse_args(arguments)
     if given.order:
         do_order(given.order)
