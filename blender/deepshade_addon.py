@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import itertools
 import json
 import math
 import os
@@ -296,7 +297,8 @@ class Program:
         done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", check=False)
         if done.returncode != 0:
             raise AddonError(f"deepshade {arguments[0]}: {done.stderr.strip() or f'exit {done.returncode}'}")
-        return done.stderr.strip()
+        # What a driver says of Wayland on every start is none of the program's words.
+        return "\n".join(line for line in done.stderr.splitlines() if "XDG_RUNTIME_DIR" not in line).strip()
 
 
 def models_folder(stated: str, program: str) -> Path:
@@ -390,6 +392,9 @@ def black_world() -> bpy.types.World:
     """A world that gives no light."""
     world = bpy.data.worlds.new("deepshade")
     world.color = (0.0, 0.0, 0.0)
+    # Blender 5 gives it a grey background.
+    if world.node_tree is not None:
+        world.node_tree.nodes.clear()
     return world
 
 
@@ -445,11 +450,15 @@ def set_cycles(cycles: Any, samples: int) -> None:
     cycles.use_denoising = False
     cycles.time_limit = 0.0
     cycles.film_exposure = 1.0
-    cycles.pixel_filter_type = "BOX"
+    # A box is always one pixel wide.
+    cycles.pixel_filter_type = "GAUSSIAN"
     cycles.filter_width = 0.01
     cycles.sample_clamp_direct = 0.0
     cycles.sample_clamp_indirect = 0.0
     cycles.use_fast_gi = False
+    # Indirect light is what other surfaces reflect diffusely, without their gloss.
+    cycles.caustics_reflective = False
+    cycles.caustics_refractive = False
     cycles.max_bounces = 1
     cycles.diffuse_bounces = 1
     cycles.glossy_bounces = 0
@@ -563,39 +572,47 @@ def surfaces(passes: dict[str, np.ndarray]) -> np.ndarray:
 
 def estimate(
     stage: Stage, network: Network, effect: Effect, radius: float, size: tuple[int, int], program: Program
-) -> np.ndarray:
+) -> tuple[np.ndarray, list[str]]:
     """The image `[height, width, 3]` of the method that a network corrects, by deepshade, of the scene.
 
     deepshade gets the scene as glTF, in the scene's units, and the world as an image. The radius is in
-    metres.
+    metres. With the image comes what it lacks, in words.
     """
-    data = stage.camera.data
-    if data.shift_x != 0.0 or data.shift_y != 0.0:
-        raise AddonError(
-            "The camera's lens is shifted, which glTF cannot say. Set shift to 0, or choose a network that "
-            f"needs no `{network.method}`."
-        )
     scene_file, world_file = stage.folder / "scene.glb", stage.folder / "world.exr"
     export_scene(stage, scene_file)
-    render_world(stage, world_file)
+    world = render_world(stage)
+    write_exr(world_file, {component: world[..., index] for index, component in enumerate("RGB")})
+    sky = ("--environment", world_file) if world.any() else ()
     height, width = size
     out = stage.folder / "estimate"
-    program.run(
-        "compare", "--scene", scene_file, "--camera", stage.camera.name, "--environment", world_file,
+    said = program.run(
+        "compare", "--scene", scene_file, "--camera", stage.camera.name, *sky,
         "--effect", effect.name, "--methods", network.method, "--quality", network.quality,
         "--radius", radius / stage.metres, "--height", height, "--width", width, "--spp", 8, "--out", out,
     )  # fmt: skip
     found = list(out.rglob(f"{network.method}*.exr"))
     if len(found) != 1:
         raise AddonError(f"deepshade made {len(found)} images by {network.method}, and not one.")
-    return layer(read_exr(found[0]), effect.name, "RGB")
+    lacks = [line for line in said.splitlines() if "lamps alone" in line]
+    return layer(read_exr(found[0]), effect.name, "RGB"), lacks
+
+
+def check_estimate(scene: bpy.types.Scene, network: Network, effect: Effect) -> None:
+    """Raises AddonError if deepshade cannot make the image that a network corrects."""
+    other = f"or choose a network that needs no `{network.method}`."
+    lens = scene.camera.data
+    if lens.shift_x != 0.0 or lens.shift_y != 0.0:
+        raise AddonError(f"The camera's lens is shifted, which glTF cannot say. Set shift to 0, {other}")
+    if effect.lamps and not lamps_of(scene):
+        raise AddonError(f"`{network.method}` sees the light of lamps alone. Add one, {other}")
 
 
 def export_scene(stage: Stage, path: Path) -> None:
     """Writes what is rendered of a stage as glTF; lights as `COMPAT` has them, which is as Cycles does."""
     with contextlib.ExitStack() as undo:
-        for panel in area_lamps(stage, undo):
-            stage.scene.collection.objects.link(panel)
+        for lamp in [one for one in lamps_of(stage.scene) if one.data.type == "AREA"]:
+            for spot in spots_for(lamp, undo):
+                stage.scene.collection.objects.link(spot)
         with bpy.context.temp_override(scene=stage.scene, view_layer=stage.scene.view_layers[0]):
             bpy.ops.export_scene.gltf(
                 filepath=str(path), export_format="GLB", export_cameras=True, export_lights=True,
@@ -604,54 +621,44 @@ def export_scene(stage: Stage, path: Path) -> None:
             )  # fmt: skip
 
 
-def area_lamps(stage: Stage, undo: contextlib.ExitStack) -> list[bpy.types.Object]:
-    """Surfaces that shine as the area lamps of a stage do, since glTF has no such lamps."""
-    lamps = [one for one in stage.scene.objects if one.type == "LIGHT" and one.data.type == "AREA"]
-    return [shining_panel(lamp, undo) for lamp in lamps if not lamp.hide_render]
+def lamps_of(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """The lamps that a scene's renders see."""
+    return [one for one in scene.objects if one.type == "LIGHT" and not one.hide_render]
 
 
-def shining_panel(lamp: bpy.types.Object, undo: contextlib.ExitStack) -> bpy.types.Object:
-    """A surface of an area lamp's form and radiance, which shines down the lamp's -z."""
-    data = lamp.data
-    across, along = data.size, data.size if data.shape in {"SQUARE", "DISK"} else data.size_y
-    corners = 4 if data.shape in {"SQUARE", "RECTANGLE"} else 24
-    reach = math.sqrt(0.5) if corners == 4 else 0.5
-    turns = [2.0 * math.pi * (corner + 0.5) / corners for corner in range(corners)]
-    points = [(reach * across * math.sin(turn), reach * along * math.cos(turn), 0.0) for turn in turns]
-    mesh = bpy.data.meshes.new("deepshade_lamp")
-    undo.callback(bpy.data.meshes.remove, mesh)
-    mesh.from_pydata(points, [], [tuple(range(corners))])
-    scale = lamp.matrix_world.to_scale()
-    area = across * along * abs(scale.x * scale.y) * (1.0 if corners == 4 else math.pi / 4.0)
-    mesh.materials.append(shining(data.color, data.energy / (math.pi * area), undo))
-    panel = bpy.data.objects.new("deepshade_lamp", mesh)
-    undo.callback(bpy.data.objects.remove, panel)
-    panel.matrix_world = lamp.matrix_world.copy()
-    return panel
+SPOTS = ((1.0, 2.0 / 3.0), (1.0 / 3.0, 1.0 / 3.0))
+"""Blend and weight of spots of half a turn that together shine nearly as a surface does, by the cosine.
+
+Their intensities in glTF are the square of the cosine, and four times that, at most 1. The sum is right at 0,
+60 and 90 degrees, and 6 % below the cosine at 45.
+"""
 
 
-def shining(colour: Sequence[float], radiance: float, undo: contextlib.ExitStack) -> bpy.types.Material:
-    """A material that emits a radiance, on its front alone."""
-    material = bpy.data.materials.new("deepshade_lamp")
-    undo.callback(bpy.data.materials.remove, material)
-    material.use_nodes = True
-    material.use_backface_culling = True
-    tree = material.node_tree
-    tree.nodes.clear()
-    emission = tree.nodes.new("ShaderNodeEmission")
-    emission.inputs["Color"].default_value = (*colour, 1.0)
-    emission.inputs["Strength"].default_value = radiance
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
-    return material
+def spots_for(lamp: bpy.types.Object, undo: contextlib.ExitStack) -> Iterator[bpy.types.Object]:
+    """Spots at four places of an area lamp, which glTF has not. Together they have its intensity."""
+    area = lamp.data
+    along = area.size if area.shape in {"SQUARE", "DISK"} else area.size_y
+    for across, down in itertools.product((-0.25, 0.25), repeat=2):
+        for blend, weight in SPOTS:
+            data = bpy.data.lights.new("deepshade_spot", "SPOT")
+            undo.callback(bpy.data.lights.remove, data)
+            data.color = area.color
+            # A spot of so many watts has a 4 pi th of them in its direction, a surface a pi th.
+            data.energy = 4.0 * weight * area.energy / 4.0
+            data.spot_size, data.spot_blend = math.pi, blend
+            spot = bpy.data.objects.new("deepshade_spot", data)
+            undo.callback(bpy.data.objects.remove, spot)
+            place = Matrix.Translation((across * area.size, down * along, 0.0))
+            spot.matrix_world = lamp.matrix_world @ place
+            yield spot
 
 
 WORLD_SIZE = (512, 256)
 """Columns and rows of the image of a world."""
 
 
-def render_world(stage: Stage, path: Path) -> None:
-    """Writes a stage's world as an equirectangular image as deepshade has it: Blender's -y in its middle."""
+def render_world(stage: Stage) -> np.ndarray:
+    """A stage's world as an equirectangular image `[height, width, 3]`, Blender's -y in its middle."""
     with contextlib.ExitStack() as undo:
         scene = bpy.data.scenes.new("deepshade_world")
         undo.callback(bpy.data.scenes.remove, scene)
@@ -671,8 +678,7 @@ def render_world(stage: Stage, path: Path) -> None:
         with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
             bpy.ops.render.render(write_still=True, scene=scene.name)
         channels = read_exr(stage.folder / "passes.exr")
-        image = layer(channels, f"{scene.view_layers[0].name}.Combined", "RGB")
-    write_exr(path, {component: np.maximum(image[..., index], 0.0) for index, component in enumerate("RGB")})
+        return np.maximum(layer(channels, f"{scene.view_layers[0].name}.Combined", "RGB"), 0.0)
 
 
 # ---------------------------------------------------------------------------------------------------------
@@ -761,6 +767,8 @@ def render_effect(
     if net.effect != effect:
         raise AddonError(f"The network {net.folder.name} makes {net.effect}. Choose one for {effect}.")
     check_scene(scene)
+    if net.needs_estimate:
+        check_estimate(scene, net, wanted)
     with tempfile.TemporaryDirectory(prefix="deepshade-", ignore_cleanup_errors=True) as folder:
         layers = view_layer or scene.view_layers[0].name
         with staged(scene, layers, wanted, radius, samples, Path(folder)) as stage:
@@ -778,10 +786,14 @@ def compared(
     seen = surfaces(passes)
     if not seen.any():
         raise AddonError("The camera sees no surface. Turn it to the scene, or look at its clipping.")
+    reference = passes[effect.reference][..., : effect.channels]
+    if effect.is_light and not reference[seen].any():
+        raise AddonError("No such light falls on what is seen. Add a lamp, or for `do` a world that shines.")
     channels = gbuffer_of(passes, stage.camera.matrix_world, stage.metres, network.inputs)
+    notes = []
     if network.needs_estimate:
         report(0.7, f"deepshade, {network.method}")
-        image = estimate(stage, network, effect, radius, seen.shape, program)
+        image, notes = estimate(stage, network, effect, radius, seen.shape, program)
         channels |= layered("estimate", "RGB", np.where(seen[..., None], image, 0.0))
         clock.stop("estimate")
     report(0.9, f"deepshade, the network {network.folder.name}")
@@ -790,8 +802,7 @@ def compared(
     report(1.0, "done")
     # Cycles has no light without a colour to reflect it.
     lit = seen & (passes["Diffuse Color"].max(axis=-1) > 0.01) if effect.is_light else seen
-    reference = passes[effect.reference][..., : effect.channels]
-    notes = [line for line in said.splitlines() if line]
+    notes += [line for line in said.splitlines() if line]
     return Comparison(effect.name, network.folder.name, radius, learned, reference, lit, clock.seconds, notes)
 
 
@@ -1004,13 +1015,14 @@ def start_job(scene: bpy.types.Scene, view_layer: str, settings: Settings) -> Jo
     check_scene(scene)
     preferences = preferences_of()
     program = Program(preferences.program)
-    network = models_folder(preferences.models, preferences.program) / settings.network
-    Network.load(network)
+    network = Network.load(models_folder(preferences.models, preferences.program) / settings.network)
+    if network.needs_estimate:
+        check_estimate(scene, network, EFFECTS[settings.effect])
     folder = Path(tempfile.mkdtemp(prefix="deepshade-"))
     file = str(folder / "scene.blend")
     bpy.ops.wm.save_as_mainfile(filepath=file, copy=True, check_existing=False)
     order = Order(
-        file, scene.name, view_layer, settings.effect, str(network), settings.radius, settings.samples,
+        file, scene.name, view_layer, settings.effect, str(network.folder), settings.radius, settings.samples,
         str(program.path),
     )  # fmt: skip
     return Job(order, folder)
