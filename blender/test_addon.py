@@ -298,6 +298,17 @@ def test_the_unit_of_the_scene_counts(program: str) -> None:
     assert np.array_equal(one.cycles, tenth.cycles)
 
 
+def test_where_no_surface_is_seen_nothing_is_compared(program: str) -> None:
+    scene = room()
+    bpy.data.objects.remove(bpy.data.objects["back"])
+    found = addon.render_effect(
+        scene, "ao", network=MODELS / "ao-small", radius=RADIUS, samples=16, program=program
+    )
+    assert 0.1 < found.compared.mean() < 0.9
+    assert np.all(found.learned[~found.compared] == 1.0)
+    assert found.figures.difference < 2.0 * AO_BOUND
+
+
 def test_a_camera_with_a_parent_and_a_scale_is_the_same_camera(program: str) -> None:
     scene = room()
     plain = addon.render_effect(
