@@ -593,7 +593,7 @@ def estimate(
     found = list(out.rglob(f"{network.method}*.exr"))
     if len(found) != 1:
         raise AddonError(f"deepshade made {len(found)} images by {network.method}, and not one.")
-    lacks = [line for line in said.splitlines() if "lamps alone" in line]
+    lacks = [line for line in said.splitlines() if " alone: " in line]
     return layer(read_exr(found[0]), effect.name, "RGB"), lacks
 
 
