@@ -1204,14 +1204,14 @@ def summary(comparison: Comparison) -> str:
     figures, share = comparison.figures, ""
     if EFFECTS[comparison.effect].is_light and figures.mean > 0.0:
         share = f" ({100.0 * figures.difference / figures.mean:.0f} % of Cycles' mean)"
-    times = ", ".join(f"{part} {seconds:.1f} s" for part, seconds in comparison.seconds.items())
+    times = [f"{part} {seconds:.1f} s" for part, seconds in comparison.seconds.items()]
     lines = [
         f"{comparison.network}, radius {comparison.radius:g} m",
         f"mean difference {figures.difference:.4f}{share}",
-        f"bias {figures.bias:+.4f}, mean of Cycles {figures.mean:.4f}",
-        times,
+        f"bias {figures.bias:+.4f}",
+        f"mean of Cycles {figures.mean:.4f}",
     ]
-    return "\n".join(lines + comparison.notes)
+    return "\n".join(lines + times + comparison.notes)
 
 
 def redraw(context: bpy.types.Context) -> None:
@@ -1234,7 +1234,7 @@ def draw_lines(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> Non
     """Several lines of text, the long ones broken."""
     column = layout.column(align=True)
     for line in text.splitlines():
-        for part in re.findall(r".{1,58}(?:\s|$)|\S{59,}", line):
+        for part in re.findall(r".{1,34}(?:\s|$)|\S{35,}", line):
             column.label(text=part, icon=icon)
             icon = "BLANK1" if icon != "NONE" else "NONE"
 
