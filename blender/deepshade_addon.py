@@ -284,10 +284,10 @@ class Program:
         """Takes a path, or without one what is found on PATH. Raises AddonError if there is none."""
         found = shutil.which(bpy.path.abspath(path) if path else "deepshade")
         if found is None:
+            where = f"{path} is not there" if path else "deepshade is not on PATH"
             raise AddonError(
-                f"The program {path or 'deepshade'} is not there"
-                f"{'' if path else ' on PATH'}. Build it by `cargo build --release`, and state its path in "
-                "the add-on's preferences."
+                f"The program {where}. Build it by `cargo build --release`, and state its path in the "
+                "add-on's preferences."
             )
         self.path = Path(found)
 
@@ -1327,8 +1327,8 @@ def main(arguments: Sequence[str]) -> None:
     if given.order:
         do_order(given.order)
         return
-    network = given.network or models_folder("", given.program) / given.effect
     try:
+        network = given.network or models_folder("", given.program) / given.effect
         comparison = render_effect(
             bpy.context.scene, given.effect, network=network, radius=given.radius, samples=given.samples,
             program=given.program, view_layer=bpy.context.view_layer.name,
