@@ -3,6 +3,7 @@
 //! Figure 5, measured again.
 
 mod alternatives;
+mod closed;
 mod cost;
 mod motion;
 mod page;
@@ -15,10 +16,12 @@ mod subject;
 
 use alternatives::Alternatives;
 use anyhow::{Result, ensure};
+use closed::ClosedRooms;
 use cost::Costs;
 use deepshade::shared::arguments::Size;
 use deepshade::shared::figures::{Figures, write_atomically};
 use deepshade::shared::table;
+use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::gpu::{self, Gpu};
 use motion::{Flicker, Leaks};
@@ -47,8 +50,8 @@ use subject::LpvFrame;
     `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; \
     relmse_multiple that of multiple scattering alone, relmse_multiple_CELLS_ITERATIONS of grids of many \
     sizes, relmse_multiple_nested of a grid of 32 cells with a finer one around the camera, \
-    relmse_multiple_one_grid of one that takes as long, relmse_multiple_two_bands and \
-    relmse_multiple_three_bands of other lobes in the grid of relmse_multiple_32_32; relmse_black of \
+    relmse_multiple_one_grid of one that takes as long, relmse_multiple_two_bands of the \
+    paper's lobes in the grid of relmse_multiple_32_32; relmse_black of \
     nothing. flip_NAME and brightness_NAME are beside each, brightness_lit_NAME and brightness_dark_NAME \
     where the lamp lights what is seen and where it does not, over truth's; of several scenes all are means \
     over those in which such a region is seen. injection_error_WAY is the share of surfaces' light that \
@@ -56,13 +59,13 @@ use subject::LpvFrame;
     1536 does. energy_loss_iteration is the largest share of its energy that light loses in an iteration; \
     moment_ratio_L_A the mean squared distance of collisions over that of exponential flights, whose mean \
     free path is found by what they come to in a cube of the same size, L cells a mean free path and an \
-    albedo of A; moment_ratio_FACTORS_L_A by other factors; monopole_error_L_A how far fluence is from a \
+    albedo of A; monopole_error_L_A how far fluence is from a \
     monopole's beyond three mean free paths, monopole_error of 1 cell and 0.9; flux_DIRECTION the flux of a \
     point source without a medium along an axis, across an edge and across a corner over what it is where \
-    all directions are alike; ringing_N_bands the share of light that is negative in N spherical harmonic \
-    bands, axis_over_diagonal_N_bands the flux along an axis over that across a corner in them. flicker_WHAT \
+    all directions are alike; ringing_2_bands the share of light that is negative in two spherical harmonic \
+    bands, axis_over_diagonal_2_bands the flux along an axis over that across a corner in them. flicker_WHAT \
     is how far images are from the mean of those before and after as something moves, over their mean; \
-    leak_LOOKUP the light seen behind a wall thinner than a cell over that before it.")]
+    room_EFFECT_ALBEDO_QUALITY the mean of light in the fog of a closed room over truth's; leak_LOOKUP the light seen behind a wall thinner than a cell over that before it.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed. Several times for images of
     /// several; stages are timed on the first.
@@ -71,8 +74,8 @@ pub struct Args {
     /// Measures only some of it.
     #[arg(long, value_delimiter = ',')]
     only: Vec<LpvStudy>,
-    /// At the paper's size (1280x720) in place of a quarter of its edges, with truth of more samples and 100
-    /// frames of what moves in place of 20.
+    /// At the paper's size (1280x720) in place of a quarter of its edges, with truth of more samples, 100
+    /// frames of what moves in place of 20, and rooms at all presets in place of the two fastest.
     #[arg(long)]
     full: bool,
     /// Timed runs of each stage; by default 20 on a graphics card and 1 on a software adapter.
@@ -100,6 +103,8 @@ enum LpvStudy {
     Images,
     /// Light behind a wall.
     Leaks,
+    /// Fog in a closed room.
+    Rooms,
     /// What moves.
     Motion,
     /// Propagation in an infinite medium.
@@ -107,8 +112,15 @@ enum LpvStudy {
 }
 
 impl LpvStudy {
-    const ALL: [Self; 6] =
-        [Self::Stages, Self::Injection, Self::Images, Self::Leaks, Self::Motion, Self::Propagation];
+    const ALL: [Self; 7] = [
+        Self::Stages,
+        Self::Injection,
+        Self::Images,
+        Self::Leaks,
+        Self::Rooms,
+        Self::Motion,
+        Self::Propagation,
+    ];
 
     const fn name(self) -> &'static str {
         match self {
@@ -116,6 +128,7 @@ impl LpvStudy {
             Self::Injection => "where light is injected",
             Self::Images => "images beside truth",
             Self::Leaks => "light behind a wall",
+            Self::Rooms => "fog in a closed room",
             Self::Motion => "what moves",
             Self::Propagation => "propagation in an infinite medium",
         }
@@ -130,6 +143,8 @@ impl LpvStudy {
             (Self::Images, true) => 1200.0 * scenes as f64,
             (Self::Injection, _) => 20.0,
             (Self::Leaks, _) => 10.0,
+            (Self::Rooms, false) => 200.0,
+            (Self::Rooms, true) => 3000.0,
             (Self::Motion, false) => 120.0,
             (Self::Motion, true) => 600.0,
             (Self::Propagation, _) => 120.0,
@@ -141,6 +156,8 @@ impl LpvStudy {
 const PAPER: Size = Size { width: 1280, height: 720 };
 /// Samples of a pixel of truth.
 const SAMPLES: [u32; 2] = [64, 512];
+/// Samples of truth in a closed room, of which the mean alone is asked, over those.
+const ROOM_SAMPLES: u32 = 4;
 /// Frames of what moves.
 const FRAMES: [usize; 2] = [20, 100];
 /// How long a GPU is kept busy before it is measured.
@@ -200,6 +217,13 @@ pub fn run(args: &Args) -> Result<()> {
                 let leaks = Leaks::of(&gpu)?;
                 leaks.set(&mut figures);
                 tables.push(leaks.rows());
+            }
+            LpvStudy::Rooms => {
+                let qualities = if args.full { &Quality::ALL[..] } else { &Quality::ALL[..2] };
+                let samples = SAMPLES[usize::from(args.full)] * ROOM_SAMPLES;
+                let rooms = ClosedRooms::of(&gpu, samples, qualities)?;
+                rooms.set(&mut figures);
+                tables.push(rooms.rows());
             }
             LpvStudy::Motion => {
                 let flicker = Flicker::of(&gpu, FRAMES[usize::from(args.full)])?;

@@ -18,7 +18,7 @@ impl Flight {
     /// arrives there: as if as much went through the cells beside it. Of scattered light, or else of light
     /// that met no medium.
     fn way_of(&self, lobes: Lobes, light: Vec4, is_scattered: bool) -> f32 {
-        let energies = lobes.by_class(&lobes.begins(light)).map(|energy| energy / light.w.max(1e-37));
+        let energies = lobes.by_class(lobes.begins(light)).map(|energy| energy / light.w.max(1e-37));
         let along = |of: &dyn Fn(usize) -> f32| {
             (0..energies.len()).map(|class| energies[class] * of(class)).sum::<f32>()
         };

@@ -30,25 +30,9 @@ pub enum Factors {
     /// Where they happen, as above.
     #[default]
     Placed,
-    /// In the cell that light leaves: `1 - exp(-sigma d)` of what goes to a neighbour at a distance of `d`.
-    Exponential,
-    /// As the paper has it: `sigma d` of the mean distance. Of light that would go on, less than nothing is
-    /// left where that is above 1.
+    /// In the cell that light leaves, as the paper has it: `sigma d` of the mean distance. Of light that
+    /// would go on, less than nothing is left where that is above 1.
     Linear,
-}
-
-impl Factors {
-    /// All, the paper's last.
-    pub const ALL: [Self; 3] = [Self::Placed, Self::Exponential, Self::Linear];
-
-    /// Its name in figures.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Placed => "placed",
-            Self::Exponential => "exponential",
-            Self::Linear => "linear",
-        }
-    }
 }
 
 /// What a cell does to light of one colour. Lengths are in cells.
@@ -123,14 +107,12 @@ impl Flight {
 
     /// The same with other factors.
     pub fn by(factors: Factors, extinction: f32, albedo: f32) -> Self {
-        let streams = match factors {
-            Factors::Placed => return Self::new(extinction, albedo),
-            Factors::Exponential => DISTANCES.map(|distance| (-extinction * distance).exp()),
-            Factors::Linear => [1.0 - extinction * mean(|class| DISTANCES[class]); CLASSES],
-        };
-        let passes = mean(|class| streams[class]);
+        if factors == Factors::Placed {
+            return Self::new(extinction, albedo);
+        }
+        let passes = 1.0 - extinction * mean(|class| DISTANCES[class]);
         Self {
-            streams,
+            streams: [passes; CLASSES],
             scatters: [1.0; CLASSES],
             enters: [1.0; CLASSES],
             albedo,

@@ -8,8 +8,9 @@ use super::{Blockers, Flight, LightGrid, Scheme};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::raster::patches::Patch;
+use crate::scene::medium::POINTS;
 use crate::scene::{Camera, Density, Medium};
-use crate::surfels::reference::{Disk, POINTS};
+use crate::surfels::reference::Disk;
 use glam::{IVec3, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::PI;
@@ -187,6 +188,6 @@ pub fn volume(
 ) -> (Volume, Vec<Light>) {
     let (light, blockers) = surfaces(&grid, disks, camera);
     let flights = flights(&grid, medium, scheme.factors, is_similar);
-    let (passing, reflectances) = (blockers.passing(&grid), blockers.reflectances(&grid));
+    let (passing, reflectances) = (blockers.passing(), blockers.reflectances());
     (Volume { grid, flights, passing, reflectances, scheme }, light)
 }

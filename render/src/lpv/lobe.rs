@@ -6,7 +6,6 @@
 //! half of the energy, as long as the function is nowhere below 0, and to 4 % beyond.
 
 use super::lattice::{CLASSES, COUNTS, Neighbour, SHARES, neighbours};
-use super::moments::{MATTE_SECOND, Moments};
 use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// Length of the mean direction at which a lobe ends at a right angle.
@@ -29,87 +28,58 @@ pub enum Lobes {
     /// directions in two bands, and is spread there as that function is. The shares add up to 1, so that
     /// energy is kept.
     TwoBands,
-    /// The same with second moments, in three bands, which Billeter et al. 2012 tried and left for the
-    /// ringing. What begins in a cell has those of a matte surface's light of its flux; what is shown is
-    /// energy and flux, as of the others.
-    ThreeBands,
 }
 
 impl Lobes {
-    /// What is kept of light of a flux and, last, an energy, which begins in a cell.
-    pub(crate) fn begins(self, light: Vec4) -> Moments {
-        self.of(self.moments_of(light))
-    }
-
-    /// The moments of light of a flux and, last, an energy.
-    pub(crate) fn moments_of(self, light: Vec4) -> Moments {
+    /// What is kept of light of a flux and, last, an energy.
+    pub(crate) fn begins(self, light: Vec4) -> Vec4 {
         match self {
-            Self::Squared | Self::TwoBands => light.into(),
-            Self::ThreeBands => Moments::as_of_matte(light),
-        }
-    }
-
-    /// What is kept of light of such moments.
-    pub(crate) fn of(self, moments: Moments) -> Moments {
-        match self {
-            Self::Squared => lobe(moments.light).into(),
-            Self::TwoBands | Self::ThreeBands => moments,
+            Self::Squared => lobe(light),
+            Self::TwoBands => light,
         }
     }
 
     /// Flux and, last, energy of what is kept.
-    pub(crate) fn light(self, kept: &Moments) -> Vec4 {
+    pub(crate) fn light(self, kept: Vec4) -> Vec4 {
         match self {
-            Self::Squared => moments(kept.light),
-            Self::TwoBands | Self::ThreeBands => kept.light,
+            Self::Squared => moments(kept),
+            Self::TwoBands => kept,
         }
     }
 
-    /// Energy towards all neighbours of each kind together, in the sum over which bands but the first are
+    /// Energy towards all neighbours of each kind together, in the sum over which the second band is
     /// nothing.
-    pub(crate) fn by_class(self, kept: &Moments) -> [f32; CLASSES] {
-        if self != Self::Squared {
-            return std::array::from_fn(|class| COUNTS[class] * SHARES[class] * kept.light.w);
+    pub(crate) fn by_class(self, kept: Vec4) -> [f32; CLASSES] {
+        if self == Self::TwoBands {
+            return std::array::from_fn(|class| COUNTS[class] * SHARES[class] * kept.w);
         }
         let mut sums = [0.0; CLASSES];
-        if *kept != Moments::NONE {
+        if kept != Vec4::ZERO {
             neighbours().for_each(|n| sums[n.class] += SHARES[n.class] * self.towards(kept, &n));
         }
         sums
     }
 
     /// Energy towards a neighbour, over its share of all directions.
-    pub(crate) fn towards(self, kept: &Moments, neighbour: &Neighbour) -> f32 {
+    pub(crate) fn towards(self, kept: Vec4, neighbour: &Neighbour) -> f32 {
         let way = neighbour.direction;
-        let [first, second] = self.means(neighbour.class);
-        let two = || kept.light.w + 3.0 * first * kept.light.xyz().dot(way);
         match self {
-            Self::Squared => towards(kept.light, way),
-            Self::TwoBands => two(),
-            Self::ThreeBands => two() + 7.5 * second * kept.second_along(way),
+            Self::Squared => towards(kept, way),
+            Self::TwoBands => kept.w + 3.0 * self.kept_direction(neighbour.class) * kept.xyz().dot(way),
         }
     }
 
-    /// Light of an energy of 1 that has gone to a neighbour.
-    pub(crate) fn gone(self, neighbour: &Neighbour) -> Moments {
-        let [first, second] = self.means(neighbour.class);
-        Moments::about(neighbour.direction, first, second)
+    /// Flux and, last, energy of light of an energy of 1 that has gone to a neighbour.
+    pub(crate) fn gone(self, neighbour: &Neighbour) -> Vec4 {
+        (neighbour.direction * self.kept_direction(neighbour.class)).extend(1.0)
     }
 
-    /// Light of an energy of 1 that a matte surface sends.
-    pub(crate) fn matte(self, normal: Vec3) -> Moments {
-        let second = if self == Self::ThreeBands { MATTE_SECOND } else { 0.0 };
-        Moments::about(normal, MATTE, second)
-    }
-
-    /// Means of the first two Legendre polynomials of cosines with the way to a neighbour, over light that
-    /// has gone there; of bands it fills a cone that is so large a share of all directions.
-    fn means(self, class: usize) -> [f32; 2] {
-        let share = SHARES[class];
+    /// Mean cosine, with the way to a neighbour, of light that has gone there; of bands it fills a cone that
+    /// is so large a share of all directions.
+    fn kept_direction(self, class: usize) -> f32 {
         match self {
-            Self::Squared => [1.0, 0.0],
-            Self::TwoBands => [1.0 - share, 0.0],
-            Self::ThreeBands => [1.0 - share, (1.0 - share) * (1.0 - 2.0 * share)],
+            Self::Squared => 1.0,
+            Self::TwoBands => 1.0 - SHARES[class],
         }
     }
 }
@@ -237,37 +207,14 @@ mod tests {
     #[test]
     fn bands_keep_energy_and_may_be_negative() {
         let light = light(0.9);
-        for lobes in [Lobes::TwoBands, Lobes::ThreeBands] {
-            let kept = lobes.begins(light);
-            let sent = |n: Neighbour| SHARES[n.class] * lobes.towards(&kept, &n);
-            assert!((neighbours().map(sent).sum::<f32>() - 3.0).abs() < 1e-5);
-            for (class, energy) in lobes.by_class(&kept).into_iter().enumerate() {
-                let sum: f32 = neighbours().filter(|n| n.class == class).map(sent).sum();
-                assert!((sum - energy).abs() < 1e-5, "{lobes:?}, {class}: {sum} for {energy}");
-            }
-            assert!(neighbours().map(sent).fold(0.0, f32::min) < -0.1 * SHARES[0]);
+        let kept = Lobes::TwoBands.begins(light);
+        let sent = |n: Neighbour| SHARES[n.class] * Lobes::TwoBands.towards(kept, &n);
+        assert!((neighbours().map(sent).sum::<f32>() - 3.0).abs() < 1e-5);
+        for (class, energy) in Lobes::TwoBands.by_class(kept).into_iter().enumerate() {
+            let sum: f32 = neighbours().filter(|n| n.class == class).map(sent).sum();
+            assert!((sum - energy).abs() < 1e-5, "{class}: {sum} for {energy}");
         }
+        assert!(neighbours().map(sent).fold(0.0, f32::min) < -0.1 * SHARES[0]);
         assert!(lobe(light).w >= 0.0);
-    }
-
-    #[test]
-    fn three_bands_send_what_two_do_and_the_second_polynomial_of_the_cosine() {
-        let axis = Vec3::new(0.48, -0.6, 0.64);
-        let kept = Moments::about(axis, 0.4, 0.3);
-        for n in neighbours() {
-            let cosine = n.direction.dot(axis);
-            let [first, second] = Lobes::ThreeBands.means(n.class);
-            let added = 5.0 * 0.3 * second * (1.5 * cosine * cosine - 0.5);
-            assert!((Lobes::TwoBands.towards(&kept, &n) - (1.0 + 3.0 * 0.4 * first * cosine)).abs() < 1e-5);
-            let is = Lobes::ThreeBands.towards(&kept, &n) - Lobes::TwoBands.towards(&kept, &n);
-            assert!((is - added).abs() < 1e-5, "{is} for {added}");
-        }
-        // Over the cone.
-        let (steps, mut sum) = (10_000, 0.0f64);
-        for i in 0..steps {
-            let cosine = 1.0 - 2.0 * f64::from(SHARES[0]) * (f64::from(i) + 0.5) / f64::from(steps);
-            sum += 1.5 * cosine * cosine - 0.5;
-        }
-        assert!((sum / f64::from(steps) - f64::from(Lobes::ThreeBands.means(0)[1])).abs() < 1e-5);
     }
 }

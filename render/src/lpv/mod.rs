@@ -14,9 +14,9 @@ pub mod grid;
 pub mod injection;
 pub mod lattice;
 pub mod lobe;
-pub(crate) mod moments;
 pub mod propagation;
 pub mod scheme;
+pub mod series;
 pub mod studies;
 #[cfg(test)]
 mod tests;
@@ -26,5 +26,3 @@ pub use flight::Flight;
 pub use grid::LightGrid;
 pub use propagation::{Light, Volume};
 pub use scheme::Scheme;
-
-pub(crate) use moments::Moments;

@@ -12,18 +12,26 @@
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
-use super::{Flight, LightGrid, Moments, Scheme};
+use super::lobe::MATTE;
+use super::series::{self, LOOKED_AT};
+use super::{Flight, LightGrid, Scheme};
 use glam::Vec4;
 use rayon::prelude::*;
 
 /// Light of three colours in a cell, of each its flux and, last, its energy, watts.
 pub type Light = [Vec4; 3];
 
-/// What a cell keeps of light of three colours.
-pub(crate) type Kept = [Moments; 3];
+/// What a cell keeps of light of three colours: lobes.
+pub(crate) type Kept = [Vec4; 3];
 
 /// Most kinds of light.
-const MOST_KINDS: usize = 3;
+pub const MOST_KINDS: usize = 3;
+
+/// Of each kind and colour, energy or what is like it.
+pub type Energies = [[f32; 3]; MOST_KINDS];
+
+/// What is shown of an iteration that stands for itself.
+const ITSELF: Energies = [[1.0; 3]; MOST_KINDS];
 
 /// A grid with what fills it.
 #[derive(Clone, Debug)]
@@ -60,34 +68,6 @@ pub struct Kinds {
     pub scattered: bool,
     /// Whether what sends light goes on sending it; of one kind that met no medium.
     pub is_steady: bool,
-}
-
-/// What each iteration adds to steady light.
-#[derive(Clone, Debug)]
-struct Steady {
-    /// Light of each cell that sets out from its middle.
-    source: Vec<Light>,
-    /// What surfaces send as it is shown on its first half of a way, to the middle of its cell.
-    halfway: Vec<Light>,
-}
-
-impl Steady {
-    /// That of light which surfaces send, half a way from the middles of cells.
-    fn new(volume: &Volume, sent: &[Light]) -> Self {
-        let of_cell = |cell: usize, shares: &dyn Fn(&Flight) -> [f32; CLASSES]| -> Light {
-            std::array::from_fn(|colour| {
-                let sent = sent[cell][colour];
-                let energies = volume.scheme.lobes.by_class(&volume.scheme.lobes.begins(sent));
-                let shares = shares(&volume.flights[cell][colour]);
-                let sum: f32 = energies.iter().zip(shares).map(|(energy, share)| energy * share).sum();
-                sent * (sum / sent.w.max(1e-37))
-            })
-        };
-        let all = |shares: &dyn Fn(&Flight) -> [f32; CLASSES]| {
-            (0..sent.len()).map(|cell| of_cell(cell, shares)).collect()
-        };
-        Self { source: all(&|flight| flight.enters), halfway: all(&|flight| flight.tracks_in) }
-    }
 }
 
 /// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of
@@ -130,7 +110,8 @@ pub struct Field {
     is_fresh: bool,
     /// Whether cells at the border take what arrives.
     is_nested: bool,
-    steady: Option<Steady>,
+    /// What each iteration adds to steady light.
+    source: Option<Vec<Light>>,
     /// What is shown of it.
     pub shown: CellFluence,
 }
@@ -138,10 +119,12 @@ pub struct Field {
 /// What arrives in a cell of one colour: moments of each kind, and flux and energy as they are shown.
 #[derive(Clone, Copy)]
 struct Arriving {
-    kinds: [Moments; MOST_KINDS],
+    kinds: [Vec4; MOST_KINDS],
     by_medium: Vec4,
     by_surfaces: Vec4,
     first: Vec4,
+    /// By how much to multiply what is shown of each kind.
+    weights: [f32; MOST_KINDS],
 }
 
 impl Kinds {
@@ -167,13 +150,15 @@ impl Kinds {
 
 impl Arriving {
     const NONE: Self = Self {
-        kinds: [Moments::NONE; MOST_KINDS],
+        kinds: [Vec4::ZERO; MOST_KINDS],
         by_medium: Vec4::ZERO,
         by_surfaces: Vec4::ZERO,
         first: Vec4::ZERO,
+        weights: [1.0; MOST_KINDS],
     };
 
     fn show(&mut self, kinds: Kinds, kind: usize, light: Vec4) {
+        let light = self.weights[kind] * light;
         if kind + 1 >= kinds.unscattered {
             self.by_medium += light;
         }
@@ -189,8 +174,7 @@ impl Arriving {
 impl Field {
     /// Before the first iteration: light that surfaces send and, if scattered light goes on too, that.
     pub fn new(volume: &Volume, kinds: Kinds, sent: &[Light], scattered: &[Light]) -> Self {
-        let steady = kinds.is_steady.then(|| Steady::new(volume, sent));
-        let sent = steady.as_ref().map_or(sent, |steady| &steady.source[..]);
+        let source = kinds.is_steady.then(|| sent.to_vec());
         let none = vec![Light::default(); sent.len()];
         let scheme = volume.scheme;
         let light = |kind: usize| match kind {
@@ -200,7 +184,7 @@ impl Field {
         };
         let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
         let lobes = (0..kinds.count()).map(lobes).collect();
-        Self { steady, ..Self::of_lobes(scheme, kinds, lobes) }
+        Self { source, ..Self::of_lobes(scheme, kinds, lobes) }
     }
 
     /// Light that is all of the last kind.
@@ -214,7 +198,7 @@ impl Field {
     pub(crate) fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
         let shown = CellFluence::none(cells);
-        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, steady: None, shown }
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, source: None, shown }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
@@ -223,8 +207,8 @@ impl Field {
         self.is_nested = true;
         for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
-            if let Some(steady) = &mut self.steady {
-                steady.source[cell] = light[0];
+            if let Some(source) = &mut self.source {
+                source[cell] = light[0];
             }
             for (lobes, light) in self.lobes.iter_mut().zip(light) {
                 lobes[cell] = light.map(|of| self.scheme.lobes.begins(of));
@@ -235,8 +219,21 @@ impl Field {
 
     /// Energy of all light on its way, of all colours, watts.
     pub fn energy(&self) -> f64 {
-        let all = self.lobes.iter().flatten().flatten();
-        all.map(|kept| f64::from(self.scheme.lobes.light(kept).w)).sum()
+        self.lobes.iter().flat_map(|lobes| self.energies_of(lobes)).sum()
+    }
+
+    /// That of each kind and colour.
+    fn energies(&self) -> Energies {
+        let mut energies = [[0.0; 3]; MOST_KINDS];
+        for (energies, lobes) in energies.iter_mut().zip(&self.lobes) {
+            *energies = self.energies_of(lobes).map(|energy| energy as f32);
+        }
+        energies
+    }
+
+    fn energies_of(&self, lobes: &[Kept]) -> [f64; 3] {
+        let energy = |kept: &Kept, colour: usize| f64::from(self.scheme.lobes.light(kept[colour]).w);
+        [0, 1, 2].map(|colour| lobes.iter().map(|kept| energy(kept, colour)).sum())
     }
 
     /// What cells would hand on to others where nothing blocks or collides, watts: of it what is less than
@@ -245,8 +242,8 @@ impl Field {
         let mut sums = [0.0; 2];
         for (cell, kept) in self.lobes.iter().flat_map(|lobes| lobes.iter().enumerate()) {
             for neighbour in neighbours().filter(|n| grid.index(grid.at(cell) + n.offset).is_some()) {
-                for kept in kept.iter().filter(|kept| **kept != Moments::NONE) {
-                    let energy = SHARES[neighbour.class] * self.scheme.lobes.towards(kept, &neighbour);
+                for kept in kept.iter().filter(|kept| **kept != Vec4::ZERO) {
+                    let energy = SHARES[neighbour.class] * self.scheme.lobes.towards(*kept, &neighbour);
                     sums[0] += f64::from((-energy).max(0.0));
                     sums[1] += f64::from(energy.abs());
                 }
@@ -268,7 +265,7 @@ impl Field {
         let of = |colour: usize| {
             let flight = &volume.flights[cell][colour];
             let collides = |(kind, lobes): (usize, &Vec<Kept>)| -> f32 {
-                let energies = self.scheme.lobes.by_class(&lobes[cell][colour]);
+                let energies = self.scheme.lobes.by_class(lobes[cell][colour]);
                 let all: f32 =
                     (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
                 let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
@@ -282,24 +279,40 @@ impl Field {
         [0, 1, 2].map(of)
     }
 
-    /// So many iterations.
+    /// So many iterations; of scattered light the last stands for all that would follow.
     pub fn iterate(&mut self, volume: &Volume, iterations: usize) {
-        (0..iterations).for_each(|_| self.step(volume));
+        let is_series = self.kinds.scattered && iterations > LOOKED_AT;
+        let alike = if is_series { iterations - LOOKED_AT - 1 } else { iterations };
+        (0..alike).for_each(|_| self.step(volume));
+        if is_series {
+            let after = [(); LOOKED_AT].map(|()| {
+                self.step(volume);
+                self.energies()
+            });
+            self.weighted_step(volume, &series::weights(self.kinds, &after));
+        }
     }
 
     /// One iteration.
     pub fn step(&mut self, volume: &Volume) {
+        self.weighted_step(volume, &ITSELF);
+    }
+
+    /// One iteration of which so much is shown.
+    fn weighted_step(&mut self, volume: &Volume, weights: &Energies) {
         let cells = volume.grid.cells();
         let again: Vec<[f32; 3]> = (0..cells).into_par_iter().map(|cell| self.again(volume, cell)).collect();
         self.is_fresh = false;
-        let colours = |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, &again, cell, colour));
+        let of = |colour: usize| weights.map(|weights| weights[colour]);
+        let colours =
+            |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, (&again, of(colour)), cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
-        if let Some(steady) = &self.steady {
-            (self.lobes[0], self.shown) = self.steadied(volume, steady, &arrived);
+        if let Some(source) = &self.source {
+            (self.lobes[0], self.shown) = self.steadied(volume, source, &arrived);
             return;
         }
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
-            let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.of(of.kinds[kind]));
+            let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.begins(of.kinds[kind]));
             lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
         }
         if self.is_nested {
@@ -320,38 +333,39 @@ impl Field {
     fn steadied(
         &self,
         volume: &Volume,
-        steady: &Steady,
+        source: &[Light],
         arrived: &[[Arriving; 3]],
     ) -> (Vec<Kept>, CellFluence) {
         let lobes = |cell: usize| {
             // What arrives at the border of a finer volume is the coarser one's.
             let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
-            let own = |colour: usize| self.scheme.lobes.moments_of(steady.source[cell][colour]);
-            let all = |colour: usize| own(colour) + arrived[cell][colour].kinds[0] * on;
-            [0, 1, 2].map(|colour| self.scheme.lobes.of(all(colour)))
+            let all = |colour: usize| source[cell][colour] + arrived[cell][colour].kinds[0] * on;
+            [0, 1, 2].map(|colour| self.scheme.lobes.begins(all(colour)))
         };
-        let shown = |cell: usize| -> Light {
-            std::array::from_fn(|colour| steady.halfway[cell][colour] + arrived[cell][colour].by_medium)
-        };
-        let cells = arrived.len();
-        let lobes = (0..cells).into_par_iter().map(lobes).collect();
-        let shown: Vec<Light> = (0..cells).into_par_iter().map(shown).collect();
+        let lobes = (0..arrived.len()).into_par_iter().map(lobes).collect();
+        let shown: Vec<Light> = arrived.iter().map(|arrived| arrived.map(|of| of.by_medium)).collect();
         (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 
-    /// What arrives in a cell of one colour.
-    fn arriving(&self, volume: &Volume, again: &[[f32; 3]], cell: usize, colour: usize) -> Arriving {
+    /// What arrives in a cell of one colour, where cells send so much out again; of each kind so much is shown.
+    fn arriving(
+        &self,
+        volume: &Volume,
+        (again, weights): (&[[f32; 3]], [f32; MOST_KINDS]),
+        cell: usize,
+        colour: usize,
+    ) -> Arriving {
         let Volume { grid, flights, passing, reflectances, .. } = volume;
         let (kinds, scheme) = (self.kinds, self.scheme.lobes);
         let (here, at) = (&flights[cell][colour], grid.at(cell));
-        let mut sums = Arriving::NONE;
+        let mut sums = Arriving { weights, ..Arriving::NONE };
         for kind in 0..kinds.count() {
-            sums.show(kinds, kind, scheme.light(&self.lobes[kind][cell][colour]) * here.track_out);
+            sums.show(kinds, kind, scheme.light(self.lobes[kind][cell][colour]) * here.track_out);
         }
         if kinds.scattered {
             sums.show(kinds, kinds.unscattered, Vec4::W * (again[cell][colour] * here.track_again));
         }
-        let is_dark = |cell: usize| self.lobes.iter().all(|lobes| lobes[cell][colour] == Moments::NONE);
+        let is_dark = |cell: usize| self.lobes.iter().all(|lobes| lobes[cell][colour] == Vec4::ZERO);
         let own_is_dark = is_dark(cell);
         for (link, neighbour) in neighbours().enumerate() {
             let Some(from) = grid.index(at - neighbour.offset) else { continue };
@@ -369,24 +383,24 @@ impl Field {
             for kind in 0..kinds.count() {
                 let mut sent = share
                     * flight.streams[class]
-                    * scheme.towards(&self.lobes[kind][from][colour], &neighbour);
+                    * scheme.towards(self.lobes[kind][from][colour], &neighbour);
                 if kinds.is_scattered(kind) {
                     sent += share * flight.scatters[class] * again[from][colour];
                 }
                 sums.kinds[kind] += gone * (sent * here.enters[class]);
-                sums.show(kinds, kind, gone.light * (sent * here.tracks_in[class]));
+                sums.show(kinds, kind, gone * (sent * here.tracks_in[class]));
                 all += sent;
             }
             if kinds.scattered {
-                sums.kinds[kinds.unscattered].light.w += all * scatters;
+                sums.kinds[kinds.unscattered].w += all * scatters;
             }
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let returns = SHARES[class] * (1.0 - passes) * reflectances[cell][colour];
-            let (out, matte) = (here.streams[class], scheme.matte(neighbour.direction));
+            let (out, matte) = (here.streams[class], (MATTE * neighbour.direction).extend(1.0));
             let opposite = neighbour.opposite();
             let (mut all, mut sets_out) = (0.0, 0.0);
             for kind in 0..kinds.count() {
-                let mut sent = out * scheme.towards(&self.lobes[kind][cell][colour], &opposite);
+                let mut sent = out * scheme.towards(self.lobes[kind][cell][colour], &opposite);
                 if kinds.is_scattered(kind) {
                     sent += here.scatters[class] * again[cell][colour];
                 }
@@ -394,17 +408,17 @@ impl Field {
                 let Some(into) = kinds.reflected(kind) else { continue };
                 sent *= returns;
                 sums.kinds[into] += matte * (sent * out);
-                sums.show(kinds, into, matte.light * (sent * here.tracks_back[class]));
+                sums.show(kinds, into, matte * (sent * here.tracks_back[class]));
                 all += sent;
             }
             if kinds.scattered {
                 let scattered = kinds.unscattered;
-                sums.kinds[scattered].light.w += all * here.albedo * (1.0 - out);
+                sums.kinds[scattered].w += all * here.albedo * (1.0 - out);
                 // What a denser medium there turns back comes as if from there.
                 let turned = share * sets_out * flight.turns * (1.0 - flight.lets_in(here, class));
                 sums.kinds[scattered] += gone * (turned * here.enters[class]);
-                sums.kinds[scattered].light.w += turned * here.albedo * (1.0 - here.enters[class]);
-                sums.show(kinds, scattered, gone.light * (turned * here.tracks_in[class]));
+                sums.kinds[scattered].w += turned * here.albedo * (1.0 - here.enters[class]);
+                sums.show(kinds, scattered, gone * (turned * here.tracks_in[class]));
             }
         }
         sums

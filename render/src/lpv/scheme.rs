@@ -23,12 +23,11 @@ pub enum Lookup {
     Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
 )]
 pub struct Scheme {
-    /// How collisions with the medium are counted: where they happen, or in the cell that light leaves, by an
-    /// exponential or, as Billeter et al. 2012 have it, a linear factor.
+    /// How collisions with the medium are counted: where they happen, or, as Billeter et al. 2012 have it, in
+    /// the cell that light leaves.
     pub factors: Factors,
     /// How light in a cell is spread over directions: as the square of a function of two bands, or, as
-    /// Billeter et al. 2012 have it, in two bands, which may be negative, or in three, which they left for
-    /// the ringing.
+    /// Billeter et al. 2012 have it, in two bands, which may be negative.
     pub lobes: Lobes,
     /// Which cells light a surface: those before it, or, as Billeter et al. 2012 have it, the one that it is
     /// within.
@@ -43,7 +42,12 @@ impl Scheme {
 
     /// As the passes have it.
     pub const fn constants(self) -> [(&'static str, u32); 2] {
-        [("FACTORS", self.factors as u32), ("LOBES", self.lobes as u32)]
+        [("FACTORS", self.factors as u32), self.lobes_constant()]
+    }
+
+    /// How light is spread over directions, as the passes have it.
+    pub const fn lobes_constant(self) -> (&'static str, u32) {
+        ("LOBES", self.lobes as u32)
     }
 
     /// Which cells light a surface, as the passes have it.

@@ -14,9 +14,8 @@ use super::{Flight, LightGrid, Scheme};
 use crate::scene::Bounds;
 use glam::{IVec3, Vec3, Vec4};
 
-const EXPONENTIAL: Scheme = Scheme { factors: Factors::Exponential, ..Scheme::OURS };
 const TWO_BANDS: Scheme = Scheme { lobes: Lobes::TwoBands, ..Scheme::OURS };
-const THREE_BANDS: Scheme = Scheme { lobes: Lobes::ThreeBands, ..Scheme::OURS };
+const LINEAR: Scheme = Scheme { factors: Factors::Linear, ..Scheme::OURS };
 
 fn iterated(volume: &Volume, mut field: Field, iterations: usize) -> Field {
     field.iterate(volume, iterations);
@@ -26,7 +25,7 @@ fn iterated(volume: &Volume, mut field: Field, iterations: usize) -> Field {
 #[test]
 fn energy_is_kept_to_rounding_without_absorption_and_blockers() {
     for extinction in [0.0, 0.3, 2.0, 40.0, 1e6] {
-        for scheme in [Scheme::OURS, EXPONENTIAL, TWO_BANDS, THREE_BANDS] {
+        for scheme in [Scheme::OURS, TWO_BANDS] {
             let loss = energy_loss(scheme, extinction);
             assert!(loss < 2e-6, "{scheme:?}, extinction {extinction}: {loss}");
         }
@@ -74,7 +73,7 @@ fn mirrored(volume: &Volume, light: &[Light]) -> Vec<Light> {
 
 #[test]
 fn mirrored_light_makes_a_mirrored_image() {
-    for (scheme, bound) in [(Scheme::OURS, 1e-6), (THREE_BANDS, 2e-6)] {
+    for scheme in [Scheme::OURS, TWO_BANDS] {
         let volume = alike(scheme, IVec3::new(12, 9, 10), Flight::new(0.8, 0.7));
         let start = Vec4::new(0.9, 0.4, -0.2, 2.0);
         let here = iterated(&volume, lit(&volume, IVec3::new(4, 5, 3), start), 6);
@@ -84,7 +83,7 @@ fn mirrored_light_makes_a_mirrored_image() {
         let largest = here.iter().map(|of| of[0].w).fold(0.0, f32::max);
         let off = |(a, b): (&Light, &Light)| (a[0] - b[0]).abs().max_element();
         let worst = mirrored(&volume, &here).iter().zip(&there).map(off).fold(0.0, f32::max);
-        assert!(worst < bound * largest, "{scheme:?}: {worst} of {largest}");
+        assert!(worst < 1e-6 * largest, "{scheme:?}: {worst} of {largest}");
         let unturned = here.iter().zip(&there).map(off).fold(0.0, f32::max);
         assert!(unturned > 0.1 * largest, "a control: {unturned}");
     }
@@ -111,7 +110,7 @@ fn collisions_are_as_far_away_as_those_of_exponential_flights() {
         assert!(ratio > low && ratio < high, "path {path}, albedo {albedo}: {ratio}");
     }
     // Where each collision costs the length of a cell, dense media spread light too far.
-    assert!(moment_ratio(EXPONENTIAL, 0.5, flights(0.9), 16) > 2.5);
+    assert!(moment_ratio(LINEAR, 2.0, flights(0.9), 16) > 1.5);
 }
 
 #[test]
@@ -134,7 +133,7 @@ fn flights_go_as_far_as_theory_says_unless_their_cube_is_small() {
 /// Light that is handed on in bands does not depend on other light: what each iteration sends anew adds up to
 /// what a pulse sends in all of them.
 #[test]
-fn steady_light_in_bands_is_a_pulse_and_its_way_to_the_middles_of_cells() {
+fn steady_light_in_bands_is_a_pulse() {
     let kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
     let after = |lobes: Lobes, is_steady: bool, iterations: usize| -> Vec<Light> {
         let scheme = Scheme { lobes, ..Scheme::OURS };
@@ -149,25 +148,14 @@ fn steady_light_in_bands_is_a_pulse_and_its_way_to_the_middles_of_cells() {
         let field = Field::new(&volume, Kinds { is_steady, ..kinds }, &light, &[]);
         iterated(&volume, field, iterations).shown.by_medium
     };
-    let first_half = |lobes: Lobes, iterations: usize| -> Vec<Vec4> {
-        let [steady, pulse] = [true, false].map(|is_steady| after(lobes, is_steady, iterations));
-        steady.iter().zip(&pulse).map(|(steady, pulse)| steady[0] - pulse[0]).collect()
+    let off = |lobes: Lobes| {
+        let [steady, pulse] = [true, false].map(|is_steady| after(lobes, is_steady, 12));
+        let off = |(a, b): (&Light, &Light)| (a[0] - b[0]).abs().max_element();
+        let brightest = pulse.iter().map(|of| of[0].w).fold(0.0, f32::max);
+        steady.iter().zip(&pulse).map(off).fold(0.0, f32::max) / brightest
     };
-    let brightest = after(Lobes::TwoBands, false, 12).iter().map(|of| of[0].w).fold(0.0, f32::max);
-    let furthest = |a: &[Vec4], b: &[Vec4]| {
-        a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max) / brightest
-    };
-    // Half the mean way to a neighbour, of all that is sent alike in all directions.
-    let way = 0.5 * lattice::mean(|class| DISTANCES[class]);
-    for lobes in [Lobes::TwoBands, Lobes::ThreeBands] {
-        let [one, twelve] = [1, 12].map(|iterations| first_half(lobes, iterations));
-        assert!(furthest(&one, &twelve) < 1e-5, "{lobes:?}: {}", furthest(&one, &twelve));
-        let largest = one.iter().map(|of| of.w).fold(0.0, f32::max);
-        assert!((one.iter().map(|of| of.w).sum::<f32>() / (2.5 * way) - 1.0).abs() < 1e-3 && largest > way);
-        assert!(one.iter().any(|of| (*of - way * Vec4::W).abs().max_element() < 1e-5), "{way}");
-    }
-    let [one, twelve] = [1, 12].map(|iterations| first_half(Lobes::Squared, iterations));
-    assert!(furthest(&one, &twelve) > 1e-3, "a control: {}", furthest(&one, &twelve));
+    assert!(off(Lobes::TwoBands) < 1e-5, "{}", off(Lobes::TwoBands));
+    assert!(off(Lobes::Squared) > 1e-3, "a control: {}", off(Lobes::Squared));
 }
 
 #[test]
@@ -212,7 +200,7 @@ fn walls_between_cells_let_nothing_through() {
         blockers.add(point, Vec3::X, 1.0, Vec3::ONE);
     }
     let open = alike(Scheme::OURS, grid.size, Flight::new(0.2, 1.0));
-    let walled = Volume { grid, passing: blockers.passing(&grid), ..open.clone() };
+    let walled = Volume { grid, passing: blockers.passing(), ..open.clone() };
     let start = grid.in_cells(Vec3::new(3.5, 5.5, 5.5)).as_ivec3();
     let behind = |volume: &Volume| -> f64 {
         let field = iterated(volume, lit(volume, start, Vec4::W), 20);
@@ -271,11 +259,9 @@ fn light_that_surfaces_reflect_again_is_kept_apart_from_what_one_reflected() {
 }
 
 #[test]
-fn bands_send_less_than_nothing_and_three_send_less_alike() {
-    let [ours, two, three] =
-        [Lobes::Squared, Lobes::TwoBands, Lobes::ThreeBands].map(|lobes| ringing(lobes, 10));
-    assert!(ours.negative == 0.0 && two.negative > 0.3 && three.negative > 0.25);
-    assert!(three.negative < two.negative, "{two:?} {three:?}");
+fn bands_send_less_than_nothing() {
+    let [ours, two] = [Lobes::Squared, Lobes::TwoBands].map(|lobes| ringing(lobes, 10));
+    assert!(ours.negative == 0.0 && two.negative > 0.3, "{ours:?} {two:?}");
     let uneven = |[axis, _, corner]: [f64; 3]| corner / axis;
-    assert!(uneven(three.flux) > 2.0 * uneven(two.flux) && uneven(ours.flux) < uneven(two.flux));
+    assert!(uneven(ours.flux) < uneven(two.flux), "{ours:?} {two:?}");
 }

@@ -7,9 +7,9 @@ use super::lpv::{self, in_medium::InMedium};
 use super::shafts::{Integration, Shafts};
 use super::subsurface::FromScreen;
 use super::{
-    Quality, aov, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar, gtao, hbao,
-    min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth, separable, ssdo,
-    ssgi, surfel, volume_shell,
+    Quality, aov, composed, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar, gtao,
+    hbao, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth, separable,
+    ssdo, ssgi, surfel, volume_shell,
 };
 use crate::method::Method;
 use crate::screen::{ScreenMethod, Technique};
@@ -108,6 +108,7 @@ fn entries() -> Vec<Entry> {
         screen(gpu_epipolar::GpuEpipolarParameters::of, identity),
         screen(fog_march::FogMarchParameters::of, identity),
         screen(froxel::FroxelParameters::of, identity),
+        screen(composed::ComposedParameters::of, identity),
         screen(phosphor::RateEquationParameters::of, identity),
         screen(phosphor::glassner::GlassnerParameters::of, identity),
         disks(surfel::SurfelParameters::of, surfel::indirect::KEPT_LIGHT),

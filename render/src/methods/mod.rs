@@ -5,6 +5,7 @@
 pub mod aov;
 pub mod blur;
 pub mod bounced_z;
+pub mod composed;
 pub mod dials;
 pub mod disks;
 pub mod environment_map;

@@ -8,8 +8,8 @@ use crate::path::medium::HenyeyGreenstein;
 use crate::raster::World;
 use crate::raster::light::Lights;
 use crate::raster::medium::MediumOnGpu;
+use crate::scene::medium::POINTS;
 use crate::scene::{Light, Medium};
-use crate::surfels::reference::POINTS;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, shows_surface};
 use glam::Vec3;
 

@@ -1,11 +1,13 @@
 //! Direct light from lights without an extent, with shadows: the attributes `L` and `Ldiff` (thesis 7.3.1).
 //! It is the exact sum over those lights, without noise, also behind blended surfaces, which let their share
-//! through; light of emissive triangles and of the environment is no part of it.
+//! through; a medium dims it on its way to the surface, but not from there to the eye. Light of emissive
+//! triangles and of the environment is no part of it.
 
 use super::bsdf::Phong;
 use super::lights::Arrival;
 use crate::bvh::scene_at_time::SceneAtTime;
 use crate::intersection::SurfacePoint;
+use crate::scene::medium::POINTS;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
@@ -29,7 +31,7 @@ pub fn direct_light<'a>(
     let lobe = Phong::new(point.surface.roughness);
     let mirrored = point.normal * (2.0 * point.normal.dot(to_camera)) - to_camera;
     let mut sum = DirectLight::default();
-    let origin = point.ray_origin();
+    let (origin, medium) = (point.ray_origin(), scene.scene().medium.as_deref());
     for light in &scene.scene().lights {
         let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, origin);
         let cosine = point.normal.dot(direction);
@@ -37,7 +39,8 @@ pub fn direct_light<'a>(
         if !lit {
             continue;
         }
-        let received = irradiance * cosine * scene.let_through(origin, direction, distance);
+        let passed = medium.map_or(Vec3::ONE, |of| of.passed_share(origin, direction, distance, POINTS));
+        let received = irradiance * passed * cosine * scene.let_through(origin, direction, distance);
         sum.diffuse += received * point.surface.diffuse * FRAC_1_PI;
         sum.specular += received * point.surface.specular * lobe.reflectance(mirrored.dot(direction));
     }

@@ -144,7 +144,8 @@ pub fn step(
     gbuffer: &GpuGBuffer,
 ) -> Result<PassDispatch, GpuError> {
     let (lights, shadows) = (&world.gpu_lights, &world.shadows);
-    let pass = Pass::of(device, Shader::at("frame/light"), &[("LIGHTS", lights.count as u32)])?;
+    let constants = [("LIGHTS", lights.count as u32), ("MEDIUM", world.medium.kind)];
+    let pass = Pass::of(device, Shader::at("frame/light"), &constants)?;
     let sampler = shadow_sampler(device);
     let mut resources = seen_bindings(image, &world.materials);
     resources.extend([
@@ -153,6 +154,8 @@ pub fn step(
         lights.pictures.as_entire_binding(),
         wgpu::BindingResource::TextureView(&shadows.maps),
         wgpu::BindingResource::Sampler(&sampler),
+        world.medium.record.as_entire_binding(),
+        wgpu::BindingResource::TextureView(&world.medium.densities),
         gbuffer.buffer(Attribute::Light).as_entire_binding(),
         gbuffer.buffer(Attribute::DiffuseLight).as_entire_binding(),
     ]);

@@ -32,6 +32,9 @@ const FARTHEST_DEPTH: f32 = 16.0;
 /// Most collisions that tracking may expect along a diagonal of a grid's box, which is what a ray costs.
 const MOST_COLLISIONS: f32 = 1e5;
 
+/// Points of a lamp's way through a grid at which density is looked up.
+pub const POINTS: u32 = 32;
+
 /// What fills the space between surfaces. Its coefficients are those at density 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {

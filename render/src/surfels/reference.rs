@@ -5,6 +5,7 @@ use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
 use crate::raster::patches::{self, Patch};
+use crate::scene::medium::POINTS;
 use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
 use deepshade_shaders::random::random;
@@ -19,9 +20,6 @@ const MOST_A_PATCH: f32 = 4096.0;
 const RISE: f32 = 0.25;
 /// One over the plastic number, and over its square.
 const STRIDE: Vec2 = Vec2::new(0.754_877_7, 0.569_840_3);
-
-/// Points of a lamp's way through a medium at which density is looked up.
-pub const POINTS: u32 = 32;
 
 /// How far a point is lifted off its own surface before light is looked for, over the scene's diagonal.
 const LIFT: f32 = 1e-5;

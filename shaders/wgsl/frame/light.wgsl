@@ -1,7 +1,9 @@
 // Direct light of lights without an extent, with shadows by their maps: the attributes `L` and `Ldiff`,
-// planes [3, height, width] (thesis 7.3.1). The exact one is render/src/path/direct.rs, but for blended
-// surfaces: here they throw a full shadow from half opacity on and none below, there they dim.
+// planes [3, height, width] (thesis 7.3.1), dimmed by the medium on their way to surfaces. The exact one is
+// render/src/path/direct.rs, but for blended surfaces: here they throw a full shadow from half opacity on and
+// none below, there they dim.
 
+#import shared/light_dimmed
 #import shared/lights
 #import shared/seen
 #import shared/shadow
@@ -17,8 +19,8 @@ const NARROWEST_ALPHA = 0.02;
 @group(0) @binding(8) var<storage, read> pictures: array<u32>;
 @group(0) @binding(9) var maps: texture_depth_2d_array;
 @group(0) @binding(10) var map_sampler: sampler_comparison;
-@group(0) @binding(11) var<storage, read_write> light_planes: array<f32>;
-@group(0) @binding(12) var<storage, read_write> diffuse_planes: array<f32>;
+@group(0) @binding(13) var<storage, read_write> light_planes: array<f32>;
+@group(0) @binding(14) var<storage, read_write> diffuse_planes: array<f32>;
 
 @compute @workgroup_size(TILE, TILE)
 fn gather_light(@builtin(global_invocation_id) id: vec3u) {
@@ -40,7 +42,8 @@ fn gather_light(@builtin(global_invocation_id) id: vec3u) {
             if cosine <= 0.0 || dot(seen.geometric, arrived.direction) <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
                 continue;
             }
-            let received = arrived.irradiance * cosine * lit_share(light, point, seen.geometric, arrived.direction);
+            let lit = lit_share(light, point, seen.geometric, arrived.direction);
+            let received = arrived.irradiance * cosine * lit * passed_share(point, arrived);
             diffuse += received * seen.diffuse / PI;
             let along = dot(mirrored, arrived.direction);
             if along > 0.0 {

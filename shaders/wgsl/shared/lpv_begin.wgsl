@@ -13,7 +13,6 @@
 #import shared/lpv_medium
 #import shared/lpv_part
 #import shared/lpv_reflectance
-#import shared/lpv_second
 #import shared/medium
 #import shared/shadow
 #import uniforms/frame_view
@@ -31,8 +30,7 @@
 @group(0) @binding(4) var<storage, read> pictures: array<u32>;
 @group(0) @binding(5) var maps: texture_depth_2d_array;
 @group(0) @binding(6) var map_sampler: sampler_comparison;
-// [kinds, 3, cells]: lobes; then [cells]: what is sent out again; then, of three bands, [kinds, 5, cells]:
-// second moments
+// [kinds, 3, cells]: lobes; then [cells]: what is sent out again
 @group(0) @binding(7) var<storage, read_write> state: array<vec4f>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(8) var<storage, read> media: array<vec4f>;
@@ -89,15 +87,13 @@ fn scatter(@builtin(global_invocation_id) id: vec3u) {
     let of_emitted = scattered_of_emitted(id.x, media[3u * id.x].w);
     let goes_in = sent_in(id.x, within);
     var again = vec3f(0.0);
-    var sent: mat3x4f;
     for (var c = 0u; c < 3u; c++) {
-        sent[c] = vec4f(flux[c] * (power[c] * medium.scattering.w), energy[c] * power[c] + of_emitted[c]);
-        state[lobe_index(UNSCATTERED, c, id.x)] = lobe(sent[c].xyz, sent[c].w);
+        let all = energy[c] * power[c] + of_emitted[c];
+        state[lobe_index(UNSCATTERED, c, id.x)] = lobe(flux[c] * (power[c] * medium.scattering.w), all);
         for (var light = 0u; light < KINDS; light++) {
             let collides = colliding(state[lobe_index(light, c, id.x)], within, c);
             again[c] += select(collides * goes_in[c], collides, light == UNSCATTERED);
         }
     }
     state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);
-    keep_second(UNSCATTERED, id.x, second_begun(sent));
 }

@@ -6,8 +6,7 @@
 #constant FACTORS = 0
 
 const PLACED = 0u;
-const EXPONENTIAL = 1u;
-const LINEAR = 2u;
+const LINEAR = 1u;
 
 // Of light that sets out to a neighbour of a kind what leaves a cell with so much extinction on its part of
 // the way.

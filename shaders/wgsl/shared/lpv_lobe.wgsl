@@ -5,14 +5,12 @@
 
 const SQUARED = 0u;
 const TWO_BANDS = 1u;
-const THREE_BANDS = 2u;
 // Length of the mean direction at which a lobe ends at a right angle.
 const MOST_DIRECTED = 0.75;
 
-// Energy towards a neighbour of a kind, over its share of all directions; a third band adds to it
-// (lpv_second.wgsl).
+// Energy towards a neighbour of a kind, over its share of all directions.
 fn towards(lobe: vec4f, direction: vec3f, kind: u32) -> f32 {
-    if LOBES != SQUARED {
+    if LOBES == TWO_BANDS {
         return lobe.w + 3.0 * kept_direction(kind) * dot(lobe.xyz, direction);
     }
     let root = max(lobe.w + dot(lobe.xyz, direction), 0.0);
@@ -21,20 +19,15 @@ fn towards(lobe: vec4f, direction: vec3f, kind: u32) -> f32 {
 
 // Mean cosine, with the way to a neighbour, of light that has gone there.
 fn kept_direction(kind: u32) -> f32 {
-    if LOBES != SQUARED {
+    if LOBES == TWO_BANDS {
         return 1.0 - SHARES[kind];
     }
     return 1.0;
 }
 
-// The mean of Legendre's second polynomial of that cosine, in three bands.
-fn kept_second(kind: u32) -> f32 {
-    return (1.0 - SHARES[kind]) * (1.0 - 2.0 * SHARES[kind]);
-}
-
-// Energy towards all neighbours of each kind together, in the sum over which bands but the first are nothing.
+// Energy towards all neighbours of each kind together, in the sum over which the second band is nothing.
 fn by_kind(lobe: vec4f) -> vec3f {
-    if LOBES != SQUARED {
+    if LOBES == TWO_BANDS {
         return COUNTS * SHARES * lobe.w;
     }
     var sums = vec3f(0.0);
@@ -50,7 +43,7 @@ fn by_kind(lobe: vec4f) -> vec3f {
 
 // Flux and, last, energy.
 fn moments(lobe: vec4f) -> vec4f {
-    if LOBES != SQUARED {
+    if LOBES == TWO_BANDS {
         return lobe;
     }
     var sum = vec4f(0.0);
@@ -67,7 +60,7 @@ fn moments(lobe: vec4f) -> vec4f {
 
 // `v` and, last, `p` of `max(0, p + v . w)^2`, or the first two bands, from flux and energy.
 fn lobe(flux: vec3f, energy: f32) -> vec4f {
-    if LOBES != SQUARED {
+    if LOBES == TWO_BANDS {
         return vec4f(flux, energy);
     }
     if energy <= 0.0 {

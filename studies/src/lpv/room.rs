@@ -78,6 +78,19 @@ pub fn divided() -> (Scene, [Camera; 2]) {
     (scene, [camera(1.0), other])
 }
 
+/// The room in fog of a mean free path of its edge, with walls that reflect so much.
+///
+/// # Errors
+/// If there cannot be such fog.
+pub fn foggy(albedo: f32) -> Result<(Scene, Camera)> {
+    let inside = Bounds { min: Vec3::splat(-HALF), max: Vec3::splat(HALF) };
+    let medium = Medium::new(Vec3::splat(0.05), Vec3::splat(0.45), 0.0, Density::Within(inside))?;
+    let mut scene = lit(walls(HALF, Vec3::ZERO), Vec3::new(0.6, 0.5, 0.0));
+    scene.materials[0].base_colour = Vec3::splat(albedo).extend(1.0);
+    scene.medium = Some(Arc::new(medium));
+    Ok((scene, Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5))))
+}
+
 /// A method's image of a scene.
 ///
 /// # Errors

@@ -3,7 +3,6 @@
 use deepshade::shared::figures::Figures;
 use deepshade::shared::plot::{Line, Plot};
 use deepshade_render::lpv::Scheme;
-use deepshade_render::lpv::flight::Factors;
 use deepshade_render::lpv::lobe::Lobes;
 use deepshade_render::lpv::studies::{
     Flights, Ringing, energy_loss, flux_by_direction, moment_ratio, over_monopole, ringing,
@@ -17,13 +16,9 @@ const ALBEDOS: [f32; 2] = [0.5, 0.9];
 const FAR: [(f32, i32); 4] = [(0.5, 14), (1.0, 18), (2.0, 24), (4.0, 30)];
 /// Half of the cells of a grid in which light goes without a medium.
 const HALF: i32 = 15;
-/// How collisions are counted, and what figures of it begin with.
-const SCHEMES: [(Scheme, &str); 2] =
-    [(Scheme::OURS, ""), (Scheme { factors: Factors::Exponential, ..Scheme::OURS }, "exponential_")];
 
-/// A ratio for each way to count collisions, mean free path and albedo.
+/// A ratio for each mean free path and albedo, by our scheme.
 struct MomentRatio {
-    scheme: (Scheme, &'static str),
     path: f32,
     albedo: f32,
     ratio: f64,
@@ -55,31 +50,29 @@ pub struct Studies {
     monopoles: Vec<Monopole>,
     /// Flux and fluence along an axis, across an edge and across a corner, with our lobes and the paper's.
     directions: [(&'static str, [[f64; 2]; 3]); 2],
-    /// Of two and of three bands.
-    ringing: [Ringing; 2],
+    /// Of two bands.
+    ringing: Ringing,
 }
 
 impl Studies {
     /// Measures.
     pub fn new() -> Self {
         let flights = ALBEDOS.map(|albedo| (albedo, Flights::new(f64::from(albedo))));
-        let moment = |scheme: (Scheme, _), (albedo, flights): &(f32, Flights), (path, half)| {
-            let ratio = moment_ratio(scheme.0, path, flights, half);
-            MomentRatio { scheme, path, albedo: *albedo, ratio }
+        let moment = |(albedo, flights): &(f32, Flights), (path, half)| {
+            let ratio = moment_ratio(Scheme::OURS, path, flights, half);
+            MomentRatio { path, albedo: *albedo, ratio }
         };
-        let of =
-            |scheme| flights.iter().flat_map(move |flights| PATHS.map(|path| moment(scheme, flights, path)));
         let far = |albedo| FAR.map(|path| Monopole::new(albedo, path));
         let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
         Self {
             energy_loss: largest(
                 &[0.0, 0.3, 2.0, 40.0].map(|extinction| energy_loss(Scheme::OURS, extinction)),
             ),
-            moments: SCHEMES.into_iter().flat_map(of).collect(),
+            moments: flights.iter().flat_map(|flights| PATHS.map(|path| moment(flights, path))).collect(),
             monopoles: ALBEDOS.into_iter().flat_map(far).collect(),
             directions: [("", Scheme::OURS), ("paper_", Scheme::PAPER)]
                 .map(|(name, scheme)| (name, flux_by_direction(scheme, HALF))),
-            ringing: [Lobes::TwoBands, Lobes::ThreeBands].map(|lobes| ringing(lobes, HALF)),
+            ringing: ringing(Lobes::TwoBands, HALF),
         }
     }
 
@@ -98,12 +91,11 @@ impl Studies {
             }
             figures.set(&format!("axis_over_diagonal_{scheme}flux"), directions[0][0] / directions[2][0]);
         }
-        for (bands, Ringing { negative, flux }) in [2, 3].into_iter().zip(&self.ringing) {
-            figures.set(&format!("ringing_{bands}_bands"), *negative);
-            figures.set(&format!("axis_over_diagonal_{bands}_bands"), flux[0] / flux[2]);
-        }
-        for MomentRatio { scheme: (_, name), path, albedo, ratio } in &self.moments {
-            figures.set(&format!("moment_ratio_{name}{path}_{albedo}"), *ratio);
+        let Ringing { negative, flux } = self.ringing;
+        figures.set("ringing_2_bands", negative);
+        figures.set("axis_over_diagonal_2_bands", flux[0] / flux[2]);
+        for MomentRatio { path, albedo, ratio } in &self.moments {
+            figures.set(&format!("moment_ratio_{path}_{albedo}"), *ratio);
         }
     }
 
@@ -115,15 +107,14 @@ impl Studies {
     pub fn plot(&self) -> Plot {
         let line = |of: &[MomentRatio]| {
             let points = of.iter().map(|moment| (f64::from(moment.path), moment.ratio)).collect();
-            Line::dotted(format!("{}, albedo {}", of[0].scheme.0.factors.name(), of[0].albedo), points)
+            Line::dotted(format!("squared distance, albedo {}", of[0].albedo), points)
         };
-        let alike = |a: &MomentRatio, b: &MomentRatio| (a.scheme, a.albedo) == (b.scheme, b.albedo);
         let far = |of: &[Monopole]| {
             let points = of.iter().map(|monopole| (f64::from(monopole.path), monopole.ratio)).collect();
             Line::dotted(format!("fluence far away, albedo {}", of[0].albedo), points)
         };
         let far = self.monopoles.chunk_by(|a, b| a.albedo == b.albedo).map(far);
-        let lines = self.moments.chunk_by(alike).map(line).chain(far);
+        let lines = self.moments.chunk_by(|a, b| a.albedo == b.albedo).map(line).chain(far);
         Plot {
             x: "mean free path, cells",
             is_logarithmic: true,
@@ -136,29 +127,26 @@ impl Studies {
     /// Rows of a table.
     pub fn rows(&self) -> Vec<Vec<String>> {
         let row = |moment: &MomentRatio| {
-            let MomentRatio { scheme: (scheme, name), path, albedo, ratio } = moment;
-            let far = self.monopole(*path, *albedo).filter(|_| name.is_empty());
+            let MomentRatio { path, albedo, ratio } = moment;
+            let far = self.monopole(*path, *albedo);
             vec![
-                scheme.factors.name().to_owned(),
                 path.to_string(),
                 albedo.to_string(),
                 format!("{ratio:.3}"),
                 far.map_or(String::new(), |far| format!("{:.3}", far.ratio)),
             ]
         };
-        let head = ["collisions", "mean free path", "albedo", "squared distance", "fluence far away"];
+        let head = ["mean free path", "albedo", "squared distance", "fluence far away"];
         let head = head.map(str::to_owned).to_vec();
-        let ([(_, [axis, _, corner]), _], [two, three]) = (&self.directions, &self.ringing);
+        let ([(_, [axis, _, corner]), _], two) = (&self.directions, &self.ringing);
         let others = [
             ("energy lost", self.energy_loss),
             ("flux along axes over corners", axis[0] / corner[0]),
             ("flux along axes over corners in two bands", two.flux[0] / two.flux[2]),
-            ("flux along axes over corners in three bands", three.flux[0] / three.flux[2]),
             ("less than nothing in two bands", two.negative),
-            ("less than nothing in three bands", three.negative),
         ];
         let other = |(name, value): (&str, f64)| {
-            vec![name.to_owned(), String::new(), String::new(), format!("{value:.2e}"), String::new()]
+            vec![name.to_owned(), String::new(), format!("{value:.2e}"), String::new()]
         };
         std::iter::once(head).chain(self.moments.iter().map(row)).chain(others.map(other)).collect()
     }

@@ -46,6 +46,7 @@ pub mod in_medium;
 mod lit_volume;
 pub mod passes;
 pub mod reference;
+mod series;
 mod shining;
 pub mod shown;
 #[cfg(test)]
@@ -85,14 +86,14 @@ pub struct LpvParameters {
 }
 
 impl LpvParameters {
-    /// More time is more cells, and iterations for light to cross them three times: after one crossing of a
-    /// closed room in fog half of the light is still on its way.
+    /// More time is more cells, and iterations for light to cross them once and a half: from then on what is
+    /// still on its way falls by the same share ([`crate::lpv::series`]).
     pub const fn of(quality: Quality) -> Self {
         let (cells, iterations, steps, scale) = match quality {
-            Quality::Low => (16, 48, 16, 2),
-            Quality::Medium => (32, 96, 32, 2),
-            Quality::High => (48, 144, 48, 1),
-            Quality::Ultra => (64, 192, 64, 1),
+            Quality::Low => (16, 24, 16, 2),
+            Quality::Medium => (32, 48, 32, 2),
+            Quality::High => (48, 72, 48, 1),
+            Quality::Ultra => (64, 96, 64, 1),
         };
         Self { cells, cascades: 1, iterations, steps, scale, scheme: Scheme::OURS }
     }

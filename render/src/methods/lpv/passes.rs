@@ -202,7 +202,7 @@ fn level_steps(
         steps.extend(emitted);
         emission = Some(shown);
     }
-    steps.push(room.fresh_step(device, frame.world)?);
+    steps.push(room.fresh_step(device)?);
     if room.kinds.scattered {
         steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
     }
@@ -234,15 +234,15 @@ fn injection(
     room: &VolumeBuffers,
 ) -> Result<Vec<MethodStep>, GpuError> {
     let Surfels { cloud, sent, .. } = surfels;
-    let VolumeBuffers { record, sums, cubes, links, groups, .. } = room;
+    let VolumeBuffers { record, sums, blockers, links, groups, .. } = room;
     let read = [record, view, &cloud.totals, &cloud.surfels, sent];
     let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
-    let written = [(5, sums), (6, cubes)];
+    let written = [(5, sums), (6, blockers)];
     let [inject, link] = [Shader::at("methods/lpv/inject"), Shader::at("methods/lpv/links")];
     Ok(vec![
         clear_step(device, room)?,
         MethodStep::bind_at(device, &device.pass(inject, &[])?, surfels.groups(), &read, &written)?,
-        MethodStep::bind(device, &device.pass(link, &[])?, groups.clone(), &[record, cubes], &[links])?,
+        MethodStep::bind(device, &device.pass(link, &[])?, groups.clone(), &[record, blockers], &[links])?,
     ])
 }
 
@@ -267,7 +267,7 @@ fn emission_steps(
     let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
     let mut steps = vec![clear_step(device, &emitted)?];
     steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
-    steps.push(emitted.fresh_step(device, world)?);
+    steps.push(emitted.fresh_step(device)?);
     if let Some(outside) = outside {
         steps.push(emitted.border_step(device, world, outside)?);
     }
@@ -280,7 +280,7 @@ fn emission_steps(
 /// Sums of the frame before are forgotten.
 fn clear_step(device: &Device, room: &VolumeBuffers) -> Result<MethodStep, GpuError> {
     let clear = device.pass(Shader::at("methods/lpv/clear"), &[])?;
-    MethodStep::bind(device, &clear, room.words(), &[], &[&room.sums, &room.cubes])
+    MethodStep::bind(device, &clear, room.words(), &[], &[&room.sums, &room.blockers])
 }
 
 /// What passes read of a frame: the scene, the camera and how far light is propagated.

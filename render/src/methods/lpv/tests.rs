@@ -14,8 +14,7 @@ use crate::gbuffer;
 use crate::lpv::flight::Factors;
 use crate::lpv::injection::flights;
 use crate::lpv::lobe::Lobes;
-use crate::lpv::moments::{Moments, SECONDS};
-use crate::lpv::propagation::{Field, Kept, Kinds, Light, Volume};
+use crate::lpv::propagation::{Field, Light, Volume};
 use crate::lpv::scheme::Lookup;
 use crate::lpv::{LightGrid, Scheme};
 use crate::method::{Frame, Method, Repeats};
@@ -30,7 +29,6 @@ use room::{fog, from_a_corner, shining};
 
 const FEW: LpvParameters =
     LpvParameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };
-const THREE_BANDS: Scheme = Scheme { lobes: Lobes::ThreeBands, ..Scheme::OURS };
 
 /// Shadow maps end within a texel of where shadows do.
 const TOLERANCE: Tolerance = Tolerance { usual: 1e-3, worst: 0.02 };
@@ -104,19 +102,6 @@ fn light_of(planes: &[[f32; 4]], cells: usize) -> Vec<Light> {
     (0..cells).map(|cell| [0, 1, 2].map(|colour| Vec4::from(planes[colour * cells + cell]))).collect()
 }
 
-/// What cells keep of a kind of light, by the planes of a state.
-fn kept_of(state: &[[f32; 4]], (kinds, kind): (Kinds, usize), lobes: Lobes, cells: usize) -> Vec<Kept> {
-    let behind = 3 * kinds.count() + usize::from(kinds.scattered) + SECONDS * kind;
-    let second = |cell: usize, colour: usize| match lobes {
-        Lobes::ThreeBands => std::array::from_fn(|i| state[(behind + i) * cells + cell][colour]),
-        Lobes::Squared | Lobes::TwoBands => [0.0; SECONDS],
-    };
-    let kept = |(cell, light): (usize, Light)| {
-        [0, 1, 2].map(|colour| Moments { light: light[colour], second: second(cell, colour) })
-    };
-    light_of(&state[3 * kind * cells..], cells).into_iter().enumerate().map(kept).collect()
-}
-
 /// Light of all three colours that surfels have put into each cell, watts.
 fn sent(gpu: &Gpu, passes: &MethodPasses, grid: &LightGrid) -> Vec<Light> {
     let inject = passes.steps().iter().find(|step| step.step.pass.is_of("lpv.inject"));
@@ -149,7 +134,7 @@ fn furthest_off(gpu: &Gpu, frame: &ViewedScene, light: MediumLight, parameters: 
     };
     let mut field = if kinds.scattered {
         let state: Vec<[f32; 4]> = written(gpu, &start, "lpv.begin");
-        let lobes = (0..kinds.count()).map(|kind| kept_of(&state, (kinds, kind), scheme.lobes, cells));
+        let lobes = (0..kinds.count()).map(|kind| light_of(&state[3 * kind * cells..], cells));
         Field::of_lobes(scheme, kinds, lobes.collect())
     } else {
         Field::new(&volume, kinds, &sent(gpu, &start, &grid), &[])
@@ -183,27 +168,17 @@ fn each_cell_has_what_the_plain_version_makes_of_the_same_start() {
 }
 
 #[test]
-fn so_it_has_with_other_factors_in_three_bands_and_in_the_papers_scheme() {
+fn so_it_has_in_two_bands_and_in_the_papers_scheme() {
     let (gpu, frame) = (gpu(), with_colours(foggy().remove(1)));
-    let exponential = Scheme { factors: Factors::Exponential, ..Scheme::OURS };
-    for scheme in [exponential, THREE_BANDS, Scheme::PAPER] {
+    let two_bands = Scheme { lobes: Lobes::TwoBands, ..Scheme::OURS };
+    let linear = Scheme { factors: Factors::Linear, ..Scheme::OURS };
+    for scheme in [two_bands, linear, Scheme::PAPER] {
         for light in [MediumLight::Multiple, MediumLight::Reflected { by_surfaces: false }] {
             let off = furthest_off(&gpu, &frame, light, LpvParameters { scheme, ..FEW });
             // A processor's exponential is not quite a GPU's.
             assert!(off < 2e-5, "{scheme:?}, {light:?}: {off}");
         }
     }
-}
-
-#[test]
-fn light_in_three_bands_is_as_the_plain_version_has_it() {
-    let (gpu, parameters) = (gpu(), LpvParameters { cascades: 2, scheme: THREE_BANDS, ..FEW });
-    let lit = ScreenMethod::new(&gpu, parameters);
-    prove_twin(&lit, &with_colours(corner()), TOLERANCE);
-    let multiple = ScreenMethod::new(&gpu, InMedium::multiple(parameters));
-    prove_twin(&multiple, &with_colours(foggy().remove(1)), OF_MEDIUM);
-    let indirect = ScreenMethod::new(&gpu, InMedium::indirect(parameters));
-    prove_twin(&indirect, &from_a_corner(shining(true, Some(fog()))), OF_MEDIUM);
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! The buffers of a volume between the passes that fill it, and the passes over its cells.
 
+use super::series;
 use super::shown::VolumeOnGpu;
 use crate::lpv::flight::Factors;
-use crate::lpv::lobe::Lobes;
-use crate::lpv::moments::SECONDS;
 use crate::lpv::propagation::Kinds;
 use crate::lpv::{LightGrid, Scheme, flight};
 use crate::methods::single_scattering;
@@ -14,9 +13,9 @@ use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::{Shader, uniforms};
 
-/// Words of a cell's light and of a cube of blockers.
+/// Words of a cell's light, and of a cube of what surfaces cover.
 const LIGHT_WORDS: usize = 24;
-const CUBE_WORDS: usize = 18;
+const BLOCKER_WORDS: usize = 17;
 
 /// What lies between the passes.
 #[derive(Clone)]
@@ -25,17 +24,19 @@ pub struct VolumeBuffers {
     pub record: wgpu::Buffer,
     /// `[cells, 3, 4, 2]` u32: light of surfels, in fixed point.
     pub sums: wgpu::Buffer,
-    /// `[cubes, 9, 2]` u32: blockers, in fixed point.
-    pub cubes: wgpu::Buffer,
+    /// `[cubes, 17]` u32: what surfaces cover, in fixed point.
+    pub blockers: wgpu::Buffer,
     /// `[cells, 4]` u32.
     pub links: wgpu::Buffer,
     /// `[cells, 3, 4]` f32.
     pub media: wgpu::Buffer,
     /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also
-    /// `[cells, 4]`, what is sent out again; of three bands also `[kinds, 5, cells, 4]`, second moments.
+    /// `[cells, 4]`, what is sent out again.
     states: [wgpu::Buffer; 2],
     /// `[3, cells, 4]` f32: what each iteration adds to steady light.
     source: wgpu::Buffer,
+    /// `[kinds, 4]` f32: by how much to multiply what an iteration shows.
+    pub weights: wgpu::Buffer,
     /// As [`VolumeOnGpu`] has it.
     pub shown: wgpu::Buffer,
     /// Workgroups of passes over cells.
@@ -74,16 +75,17 @@ impl VolumeBuffers {
         let cubes = (grid.size + 1).as_usizevec3().element_product();
         let scattered = usize::from(kinds.scattered);
         let planes = 1 + scattered + usize::from(keeps_first(kinds, nesting));
-        let kept = kept_planes(scheme.lobes) * kinds.count() + scattered;
+        let kept = 3 * kinds.count() + scattered;
         let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", kept * cells);
         Ok(Self {
             record,
             sums: gpu::empty::<u32>(device, "lpv.sums", LIGHT_WORDS * cells)?,
-            cubes: gpu::empty::<u32>(device, "lpv.cubes", CUBE_WORDS * cubes)?,
+            blockers: gpu::empty::<u32>(device, "lpv.blockers", BLOCKER_WORDS * cubes)?,
             links: gpu::empty::<[u32; 4]>(device, "lpv.links", cells)?,
             media: gpu::empty::<[[f32; 4]; 3]>(device, "lpv.media", cells)?,
             states: [state()?, state()?],
             source: source(device, kinds, cells)?,
+            weights: gpu::empty::<[f32; 4]>(device, "lpv.weights", kinds.count())?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * planes * cells)?,
             groups: groups(cells).into(),
             kinds,
@@ -102,7 +104,7 @@ impl VolumeBuffers {
     pub fn of_emission(&self, device: &Device) -> Result<Self, GpuError> {
         Ok(Self {
             sums: gpu::empty::<u32>(device, "lpv.emitted_sums", LIGHT_WORDS * self.cells)?,
-            cubes: gpu::empty::<u32>(device, "lpv.no_cubes", CUBE_WORDS)?,
+            blockers: gpu::empty::<u32>(device, "lpv.no_blockers", BLOCKER_WORDS)?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.emitted", 3 * self.cells)?,
             source: source(device, EMITTED, self.cells)?,
             kinds: EMITTED,
@@ -118,12 +120,12 @@ impl VolumeBuffers {
 
     /// Workgroups of a pass over all words of sums.
     pub fn words(&self) -> Workgroups {
-        let bytes = self.sums.size().max(self.cubes.size()) as usize;
+        let bytes = self.sums.size().max(self.blockers.size()) as usize;
         groups(bytes / size_of::<u32>()).into()
     }
 
     /// Which kinds of light there are, as the passes have it.
-    fn constants(&self) -> [(&'static str, u32); 2] {
+    pub fn constants(&self) -> [(&'static str, u32); 2] {
         [("UNSCATTERED", self.kinds.unscattered as u32), scattered(self.kinds)]
     }
 
@@ -146,12 +148,12 @@ impl VolumeBuffers {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn fresh_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
-        let own = [self.first(), self.similar(), self.steady()];
-        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
+    pub fn fresh_step(&self, device: &Device) -> Result<MethodStep, GpuError> {
+        let own = [self.first(), self.scheme.lobes_constant(), self.steady()];
+        let constants = [&self.constants()[..], &own].concat();
         let pass = device.pass(Shader::at("methods/lpv/fresh"), &constants)?;
-        let reads = [(0, &self.record), (1, &self.sums), (5, &world.medium.record), (6, &self.media)];
-        let writes = [(3, &self.shown), (4, &self.source), (2, &self.states[0])];
+        let reads = [(0, &self.record), (1, &self.sums)];
+        let writes = [(3, &self.shown), (4, &self.source), (5, &self.weights), (2, &self.states[0])];
         MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
     }
 
@@ -219,7 +221,8 @@ impl VolumeBuffers {
         MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
     }
 
-    /// So many iterations; they end where light has gone as far as `reach` says.
+    /// So many iterations; they end where light has gone as far as `reach` says. Of scattered light the last
+    /// stands for all that would follow.
     ///
     /// # Errors
     /// If the device refuses them.
@@ -245,32 +248,28 @@ impl VolumeBuffers {
         let showing = compiled(true)?;
         // Of steady light the last iteration alone is shown.
         let hidden = self.kinds.is_steady.then(|| compiled(false)).transpose()?;
-        let step = |iteration: usize| {
+        let one = |iteration: usize| {
             let pass = hidden.as_ref().filter(|_| iteration + 1 < iterations).unwrap_or(&showing);
             let number = uniforms::Iteration { number: iteration as u32 };
             let number = gpu::uniform(device, "lpv.iteration", &number)?;
-            let [from, to] = [iteration % 2, 1 - iteration % 2].map(|i| &self.states[i]);
+            let [from, to] = [self.state_after(iteration + 1), self.state_after(iteration)];
             let reads = [&self.record, &world.medium.record, &self.links, &self.media, from];
-            let others = [(7, &number), (8, reach), (9, &self.source)];
+            let others = [(7, &number), (8, reach), (9, &self.source), (10, &self.weights)];
             let reads: Vec<_> = (0..).zip(reads).chain(others).collect();
             let writes = [(5, to), (6, &self.shown)];
             MethodStep::bind_at(device, pass, self.groups.clone(), &reads, &writes)
         };
-        (0..iterations).map(step).collect()
+        series::with_end(self, device, (0..iterations).map(one).collect::<Result<_, _>>()?)
+    }
+
+    /// What is kept of light after the iteration of a number.
+    pub fn state_after(&self, iteration: usize) -> &wgpu::Buffer {
+        &self.states[1 - iteration % 2]
     }
 }
 
 /// Light that a scene sends by itself, until something turns it.
 pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
-
-/// Planes of what cells keep of a kind of light: one of each colour and, of three bands, those of second
-/// moments.
-const fn kept_planes(lobes: Lobes) -> usize {
-    match lobes {
-        Lobes::Squared | Lobes::TwoBands => 3,
-        Lobes::ThreeBands => 3 + SECONDS,
-    }
-}
 
 /// Room for what each iteration adds, which only steady light needs.
 fn source(device: &Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {

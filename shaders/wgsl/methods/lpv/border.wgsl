@@ -7,7 +7,6 @@
 #import shared/lpv_lattice
 #import shared/lpv_lobe
 #import shared/lpv_medium
-#import shared/lpv_second
 #import uniforms/light_grid
 #import uniforms/medium_record
 #constant FACTORS = 0
@@ -22,8 +21,7 @@
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
 // [2 SCATTERED + 1, 3, cells] of the coarser grid: as the medium and as surfaces show it, and the first kind
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again; then, of
-// three bands, [kinds, 5, cells]: second moments
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
 // [3, cells]: flux and energy of steady light
 @group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
@@ -87,7 +85,6 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
     let area = grid.low.w * grid.low.w / (outside.low.w * outside.low.w);
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
-        var all: mat3x4f;
         for (var c = 0u; c < 3u; c++) {
             var arrived = vec4f(0.0);
             if inside {
@@ -97,7 +94,6 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
                 let is_light = handed.w > 0.0;
                 arrived = select(vec4f(0.0), handed / way_of(handed, own[c], extinction[c], sets_out), is_light);
             }
-            all[c] = arrived;
             let made = lobe(arrived.xyz, arrived.w);
             if STEADY == 1u {
                 source[lobe_index(light, c, id.x)] = arrived;
@@ -107,7 +103,6 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
                 again[c] += colliding(made, own.rgb, c);
             }
         }
-        keep_second(light, id.x, second_begun(all));
     }
     if SCATTERED == 1u {
         state[again_index(id.x)] = vec4f(again * media[3u * id.x + 1u].rgb, 0.0);

@@ -1,7 +1,7 @@
 // Forgets the sums of the frame before.
 
 @group(0) @binding(0) var<storage, read_write> light: array<u32>;
-@group(0) @binding(1) var<storage, read_write> cubes: array<u32>;
+@group(0) @binding(1) var<storage, read_write> blockers: array<u32>;
 
 @compute @workgroup_size(64)
 fn clear(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -9,7 +9,7 @@ fn clear(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     if index < arrayLength(&light) {
         light[index] = 0u;
     }
-    if index < arrayLength(&cubes) {
-        cubes[index] = 0u;
+    if index < arrayLength(&blockers) {
+        blockers[index] = 0u;
     }
 }

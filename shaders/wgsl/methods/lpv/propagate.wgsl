@@ -9,7 +9,6 @@
 #import shared/lpv_lobe
 #import shared/lpv_medium
 #import shared/lpv_reflectance
-#import shared/lpv_second
 #import uniforms/light_grid
 #import uniforms/medium_record
 #constant BORDERS = 1
@@ -40,8 +39,7 @@ struct Iteration {
 @group(0) @binding(2) var<storage, read> links: array<vec4u>;
 // [cells, 3]: as media.wgsl writes it
 @group(0) @binding(3) var<storage, read> media: array<vec4f>;
-// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]; then, of three bands, [kinds, 5,
-// cells]: second moments
+// [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]
 @group(0) @binding(4) var<storage, read> before: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium
@@ -51,6 +49,8 @@ struct Iteration {
 @group(0) @binding(8) var<uniform> propagation: Propagation;
 // [3, cells]: flux and energy that each iteration adds to light that is STEADY
 @group(0) @binding(9) var<storage, read> source: array<vec4f>;
+// [kinds]: by how much to multiply what is shown: 1, but for the last iteration
+@group(0) @binding(10) var<storage, read> weights: array<vec4f>;
 
 // Mean length of the way in the cell of light that sets out from it.
 fn track_out(within: vec3f, extinction: vec3f) -> vec3f {
@@ -76,30 +76,13 @@ fn lobes(light: u32, cell: u32) -> mat3x4f {
     );
 }
 
-fn second_of(light: u32, cell: u32) -> Second {
-    if LOBES != THREE_BANDS {
-        return Second();
-    }
-    return Second(
-        before[second_index(light, 0u, cell)].rgb,
-        before[second_index(light, 1u, cell)].rgb,
-        before[second_index(light, 2u, cell)].rgb,
-        before[second_index(light, 3u, cell)].rgb,
-        before[second_index(light, 4u, cell)].rgb,
-    );
-}
-
-// What a cell sends of light of such lobes and second moments.
-fn sent(own: mat3x4f, second: Second, direction: vec3f, kind: u32) -> vec3f {
-    let energy = vec3f(
+// What a cell sends of light of such lobes.
+fn sent(own: mat3x4f, direction: vec3f, kind: u32) -> vec3f {
+    return vec3f(
         towards(own[0], direction, kind),
         towards(own[1], direction, kind),
         towards(own[2], direction, kind),
     );
-    if LOBES == THREE_BANDS {
-        return energy + third_band(second, direction, kind);
-    }
-    return energy;
 }
 
 // Flux and energy of the three colours.
@@ -113,36 +96,23 @@ fn added(sums: Sums, energy: vec3f, direction: vec3f) -> Sums {
     return Sums(sums.flux + flux, sums.energy + energy);
 }
 
-fn is_shown_by_medium(light: u32) -> bool {
-    return light + 1u >= UNSCATTERED;
-}
+// Mean cosine of light that a matte surface sends.
+const MATTE = 2.0 / 3.0;
 
-fn is_shown_by_surfaces(light: u32) -> bool {
-    return light == UNSCATTERED;
-}
+alias Seen = array<Sums, 3>;
 
-fn is_first(light: u32) -> bool {
-    return FIRST == 1u && light == 0u;
-}
-
-// What a cell has of what has arrived, as of lobes.
-fn second_after(light: u32, at: vec3i, arrived: Second) -> Second {
-    let cell = cell_index(at);
-    var all = arrived;
-    if NESTED == 1u && is_border(at) {
-        all = Second();
+// Adds light of a kind to what the medium and surfaces show of it, and to the first kind.
+fn show(seen: ptr<function, Seen>, light: u32, energy: vec3f, direction: vec3f) {
+    let weighed = weights[light].rgb * energy;
+    if light + 1u >= UNSCATTERED {
+        seen[0] = added(seen[0], weighed, direction);
     }
-    if STEADY == 1u {
-        let sent = second_begun(mat3x4f(
-            source[lobe_index(light, 0u, cell)],
-            source[lobe_index(light, 1u, cell)],
-            source[lobe_index(light, 2u, cell)],
-        ));
-        for (var i = 0u; i < SECONDS; i++) {
-            all[i] += sent[i];
-        }
+    if light == UNSCATTERED {
+        seen[1] = added(seen[1], weighed, direction);
     }
-    return all;
+    if FIRST == 1u && light == 0u {
+        seen[2] = added(seen[2], weighed, direction);
+    }
 }
 
 @compute @workgroup_size(64)
@@ -164,37 +134,22 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     let out = track_out(own.rgb, extinction) * on;
     var own_lobes: array<mat3x4f, KINDS>;
-    var own_second: array<Second, KINDS>;
     var arrived: array<Sums, KINDS>;
-    var second: array<Second, KINDS>;
-    var seen: array<Sums, 3>;
+    var seen: Seen;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
-        own_second[light] = second_of(light, cell);
-        if is_shown_by_medium(light) || is_first(light) {
-            for (var c = 0u; c < 3u; c++) {
-                let leaves = moments(own_lobes[light][c]) * out[c];
-                if is_first(light) {
-                    seen[2].flux[c] += leaves.xyz;
-                    seen[2].energy[c] += leaves.w;
-                }
-                if is_shown_by_medium(light) {
-                    seen[0].flux[c] += leaves.xyz;
-                    seen[0].energy[c] += leaves.w;
-                }
-                if is_shown_by_surfaces(light) {
-                    seen[1].flux[c] += leaves.xyz;
-                    seen[1].energy[c] += leaves.w;
-                }
-            }
+        for (var c = 0u; c < 3u; c++) {
+            let leaves = moments(own_lobes[light][c]) * out[c];
+            var energy = vec3f(0.0);
+            energy[c] = leaves.w;
+            show(&seen, light, energy, leaves.xyz / max(leaves.w, 1e-37));
         }
     }
     var own_again = vec3f(0.0);
     if SCATTERED == 1u {
         own_again = before[again_index(cell)].rgb;
         if FACTORS == PLACED {
-            seen[0].energy += own_again * out;
-            seen[1].energy += own_again * out;
+            show(&seen, UNSCATTERED, own_again * out, vec3f(0.0));
         }
     }
     let colour = reflectance(cell);
@@ -232,24 +187,13 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         let way = half_track(enters[kind], extinction, kind);
         var collides = vec3f(0.0);
         for (var light = 0u; light < KINDS; light++) {
-            var energy = streams * sent(lobes(light, source), second_of(light, source), direction, kind);
+            var energy = streams * sent(lobes(light, source), direction, kind);
             if light == UNSCATTERED {
                 energy += share * leaving_again(within, kind) * before[again_index(source)].rgb;
             }
             arrived[light] = added(arrived[light], energy * enters[kind], kept);
-            if LOBES == THREE_BANDS {
-                second[light] = with_light(second[light], energy * enters[kind], direction, kept_second(kind));
-            }
             collides += energy;
-            if is_first(light) {
-                seen[2] = added(seen[2], energy * way, kept);
-            }
-            if is_shown_by_medium(light) {
-                seen[0] = added(seen[0], energy * way, kept);
-            }
-            if is_shown_by_surfaces(light) {
-                seen[1] = added(seen[1], energy * way, kept);
-            }
+            show(&seen, light, energy * way, kept);
         }
         if SCATTERED == 1u {
             arrived[KINDS - 1u].energy += collides * albedo * max(goes_in - enters[kind], vec3f(0.0));
@@ -260,7 +204,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
             collides = vec3f(0.0);
             var sets_out = vec3f(0.0);
             for (var light = 0u; light < KINDS; light++) {
-                var energy = leaves * sent(own_lobes[light], own_second[light], -direction, kind);
+                var energy = leaves * sent(own_lobes[light], -direction, kind);
                 if light == UNSCATTERED {
                     energy += leaving_again(own.rgb, kind) * own_again;
                 }
@@ -268,35 +212,21 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 energy *= returns;
                 let becomes = select(light, light + 1u, light + 1u < UNSCATTERED);
                 arrived[becomes] = added(arrived[becomes], energy * leaves, MATTE * direction);
-                if LOBES == THREE_BANDS {
-                    second[becomes] = with_light(second[becomes], energy * leaves, direction, MATTE_SECOND);
-                }
                 collides += energy;
-                if is_shown_by_medium(becomes) {
-                    seen[0] = added(seen[0], energy * back, MATTE * direction);
-                }
-                if is_shown_by_surfaces(becomes) {
-                    seen[1] = added(seen[1], energy * back, MATTE * direction);
-                }
+                show(&seen, becomes, energy * back, MATTE * direction);
             }
             arrived[KINDS - 1u].energy += collides * albedo * (1.0 - leaves);
             if BORDERS == 1u {
                 // What a denser medium there turns back comes as if from there.
                 let turned = share * sets_out * turns * (1.0 - goes_out);
                 arrived[KINDS - 1u] = added(arrived[KINDS - 1u], turned * enters[kind], kept);
-                if LOBES == THREE_BANDS {
-                    second[KINDS - 1u] =
-                        with_light(second[KINDS - 1u], turned * enters[kind], direction, kept_second(kind));
-                }
                 arrived[KINDS - 1u].energy += turned * albedo * (1.0 - enters[kind]);
-                seen[0] = added(seen[0], turned * way, kept);
-                seen[1] = added(seen[1], turned * way, kept);
+                show(&seen, UNSCATTERED, turned * way, kept);
             }
         }
     }
     var again = vec3f(0.0);
     for (var light = 0u; light < KINDS; light++) {
-        keep_second(light, cell, second_after(light, at, second[light]));
         for (var c = 0u; c < 3u; c++) {
             var all = vec4f(arrived[light].flux[c], arrived[light].energy[c]);
             if NESTED == 1u && is_border(at) {

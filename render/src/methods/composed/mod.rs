@@ -1,0 +1,195 @@
+//! `composed`: all light of a frame, each part by a method of its own.
+//!
+//! | part | method |
+//! |---|---|
+//! | light of lamps that surfaces reflect | the g-buffer's `light`, dimmed by the medium on its way |
+//! | what surfaces emit, and the sky behind them | the g-buffer's `emission`, the environment |
+//! | light of lamps that surfaces reflect twice | [`surfel`](super::surfel) of `gi` |
+//! | light of the sky that surfaces reflect | [`surfel`](super::surfel) of `do` |
+//! | phosphorescence | [`rate-equation`](super::phosphor) of `phosphor` |
+//! | light in the medium that lamps send there | [`froxel`](super::froxel) of `fog-direct` |
+//! | and surfaces | [`lpv`](super::lpv) of `fog-indirect` |
+//! | and all other | [`lpv`](super::lpv) of `fog-multiple` |
+//!
+//! A part that a scene has nothing of takes no time: of the sky without an environment, of the medium where
+//! there is none, of phosphorescence where nothing glows. What comes from surfaces and the sky is dimmed by
+//! the medium in front of it.
+//!
+//! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
+//! shows lamps and nothing else. Without a medium light that was reflected more than twice is missing, and so
+//! is what surfaces reflect of others that emit. Light between surfaces is dimmed up to the first of them
+//! only. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
+
+mod passes;
+mod reference;
+#[cfg(test)]
+mod tests;
+
+use super::Quality;
+use super::disks::{DiskEffect, Disks};
+use super::environment_map::EnvironmentMap;
+use super::froxel::FroxelParameters;
+use super::lpv::LpvParameters;
+use super::lpv::in_medium::InMedium;
+use super::phosphor::RateEquationParameters;
+use super::surfel::{SurfelParameters, directional::DIRECTIONAL, indirect::INDIRECT};
+use crate::scene::{Camera, Environment, Scene};
+use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
+use crate::surfels::SurfelLight;
+use bytemuck::bytes_of;
+use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::{Attribute, Effect, MissingAttribute};
+use glam::Vec3;
+
+/// What can be set: how each part is made.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+pub struct ComposedParameters {
+    /// Light that surfaces reflect of other surfaces and of the sky.
+    pub surfaces: SurfelParameters,
+    /// Light of lamps in the medium.
+    pub shafts: FroxelParameters,
+    /// All other light in the medium.
+    pub volume: LpvParameters,
+    /// Phosphorescence.
+    pub phosphor: RateEquationParameters,
+}
+
+impl ComposedParameters {
+    /// All parts of a quality.
+    pub fn of(quality: Quality) -> Self {
+        Self {
+            surfaces: SurfelParameters::of(quality),
+            shafts: FroxelParameters::of(quality),
+            volume: LpvParameters::of(quality),
+            phosphor: RateEquationParameters::of(quality),
+        }
+    }
+
+    /// The parts, in the order in which they are added.
+    fn parts(&self) -> [Part; 6] {
+        let surfels = |effect| FromFar { parameters: self.surfaces, effect };
+        let part = |shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool| Part::new(shown, made, has);
+        let has_medium = |scene: &Scene| scene.medium.is_some();
+        [
+            part(Shown::Reflected, Box::new(surfels(DIMMED)), |scene| !scene.lights.is_empty()),
+            part(Shown::Reflected, Box::new(surfels(DIRECTIONAL)), |scene| scene.environment.is_some()),
+            part(Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
+            part(Shown::Between, Box::new(self.shafts), has_medium),
+            part(Shown::Between, Box::new(InMedium::indirect(self.volume)), has_medium),
+            part(Shown::Between, Box::new(InMedium::multiple(self.volume)), has_medium),
+        ]
+    }
+}
+
+/// Light that surfaces send after one reflection, dimmed on its way to the first.
+const DIMMED: DiskEffect<SurfelParameters> =
+    DiskEffect { lit: Some(SurfelLight::Dimmed { is_grey: false }), on_processor: None, ..INDIRECT };
+
+/// One method's part of all light.
+struct Part {
+    shown: Shown,
+    made: Box<dyn Technique>,
+    /// How many uniform buffers it has, whatever the view.
+    uniforms: usize,
+    /// Whether a scene has any of it.
+    has: fn(&Scene) -> bool,
+}
+
+impl Part {
+    fn new(shown: Shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool) -> Self {
+        let any = View { height: 1, width: 1, camera: Camera::look_at(Vec3::ZERO, Vec3::NEG_Z), radius: 1.0, seed: 0 };
+        let uniforms = made.uniforms(&any).len();
+        Self { shown, made, uniforms, has }
+    }
+}
+
+/// How a part reaches the eye.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// Surfaces reflect it in their diffuse colour.
+    Reflected,
+    /// Surfaces send it as it is.
+    Sent,
+    /// It comes from between surfaces and the eye.
+    Between,
+}
+
+/// Farther than any scene is large, metres: light has no radius.
+const FAR: f32 = 1e5;
+
+/// Surfels of an effect that reaches as far as the scene does. They are as large, and as sharply kept apart, as
+/// those of the radius that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct FromFar {
+    parameters: SurfelParameters,
+    effect: DiskEffect<SurfelParameters>,
+}
+
+impl FromFar {
+    fn seen(&self, view: &View) -> (Disks<SurfelParameters>, View) {
+        let mut parameters = self.parameters;
+        let farther = FAR / view.radius.max(f32::MIN_POSITIVE);
+        parameters.surfels.near /= farther;
+        parameters.blur.sharpness *= farther;
+        (Disks::new(parameters, self.effect), View { radius: FAR, ..*view })
+    }
+}
+
+impl Technique for FromFar {
+    fn about(&self) -> About {
+        Disks::new(self.parameters, self.effect).about()
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let (disks, view) = self.seen(view);
+        disks.uniforms(&view)
+    }
+
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        Disks::new(self.parameters, self.effect).steps(to)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let (disks, view) = self.seen(view);
+        disks.reference(inputs, &view)
+    }
+}
+
+/// Rows of the map of the sky that is seen behind surfaces, at most.
+const SKY_HEIGHT: usize = 512;
+
+/// The sky as it is seen; black without one.
+fn sky(environment: Option<&Environment>) -> EnvironmentMap {
+    let black = Environment::uniform(Vec3::ZERO);
+    let environment = environment.unwrap_or(&black);
+    EnvironmentMap::new(environment, environment.size()[1].min(SKY_HEIGHT))
+}
+
+impl Technique for ComposedParameters {
+    fn about(&self) -> About {
+        let seen = &[
+            Attribute::Position,
+            Attribute::Normal,
+            Attribute::Diffuse,
+            Attribute::Light,
+            Attribute::Emission,
+            Attribute::ObjectId,
+            Attribute::Valid,
+        ];
+        About::beyond_screen("composed", Effect::Path, seen)
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        let own = bytes_of(&view.perspective()).to_vec();
+        let of_parts = self.parts().into_iter().flat_map(|part| part.made.uniforms(view));
+        std::iter::once(own).chain(of_parts).collect()
+    }
+
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::steps(&self.parts(), to)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        reference::image(&self.parts(), inputs, view)
+    }
+}

@@ -1,0 +1,79 @@
+//! The passes against their plain version, and the whole beside all light.
+
+use super::*;
+use crate::bvh::TracedScene;
+use crate::gbuffer;
+use crate::methods::proving::Tolerance;
+use crate::methods::proving::beyond::{corner, foggy, prove_twin};
+use crate::path::{self, Sampling, Shot};
+use crate::scene::Medium;
+use crate::screen::ScreenMethod;
+use deepshade_shaders::gpu::Gpu;
+use deepshade_shaders::{GBuffer, Planes};
+
+fn few() -> ComposedParameters {
+    let mut few = ComposedParameters::of(Quality::Low);
+    few.volume = LpvParameters { cells: 10, iterations: 8, steps: 8, ..few.volume };
+    few.surfaces.levels = 3;
+    few
+}
+
+type ViewedScene = (TracedScene, View, GBuffer);
+
+fn seen((scene, view, _): ViewedScene, changed: impl FnOnce(&mut Scene)) -> ViewedScene {
+    let mut scene = scene.scene().clone();
+    changed(&mut scene);
+    let scene = TracedScene::new(scene).expect("triangles");
+    let attributes = few().about().attributes;
+    let gbuffer = gbuffer::render(&scene, &view.camera, view.height, view.width, attributes);
+    (scene, view, gbuffer)
+}
+
+#[test]
+fn the_passes_make_what_the_plain_version_does() {
+    let method = ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), few());
+    let under_a_sky = |scene: &mut Scene| {
+        scene.environment = Some(Environment::uniform(Vec3::new(0.3, 0.4, 0.6)).into());
+    };
+    let frames =
+        [seen(corner(), under_a_sky), seen(foggy().remove(0), |_| ()), seen(foggy().remove(1), |_| ())];
+    for frame in frames {
+        // Shadow maps end within a texel of where shadows do.
+        prove_twin(&method, &frame, Tolerance { usual: 1e-3, worst: 0.05 });
+    }
+}
+
+fn plain(scene: &TracedScene, view: &View, gbuffer: &GBuffer) -> Planes {
+    let environment = scene.scene().environment.as_deref();
+    let inputs = PlainInputs { gbuffer, environment, scene: Some(scene) };
+    let image = few().reference(&inputs, view).expect("attributes").remove(0);
+    Planes::from_data(3, view.height, view.width, image)
+}
+
+#[test]
+fn all_parts_together_are_about_as_bright_as_truth() {
+    for frame in [seen(corner(), |_| ()), seen(foggy().remove(0), |_| ())] {
+        let (scene, view, gbuffer) = &frame;
+        let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
+        let truth = path::render(Effect::Path, &shot, Sampling::one(64, 1)).mean.mean();
+        let ratio = plain(scene, view, gbuffer).mean() / truth;
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    }
+}
+
+#[test]
+fn a_medium_that_does_nothing_changes_nothing_and_one_that_absorbs_all_is_black() {
+    let (scene, view, gbuffer) = &seen(corner(), |_| ());
+    let filled = |absorption: f32| {
+        let bounds = scene.scene().bounds();
+        let density = crate::scene::Density::Within(bounds);
+        let medium = Medium::new(Vec3::splat(absorption), Vec3::ZERO, 0.0, density).expect("a medium");
+        seen(corner(), |scene| scene.medium = Some(medium.into()))
+    };
+    let clear = plain(scene, view, gbuffer);
+    let image = |(scene, view, gbuffer): ViewedScene| plain(&scene, &view, &gbuffer);
+    let nothing = image(filled(0.0));
+    let off = clear.data().iter().zip(nothing.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(off < 1e-5, "{off}");
+    assert!(image(filled(1e3)).mean() < 1e-3 * clear.mean());
+}
