@@ -17,6 +17,7 @@ pub mod lobe;
 pub mod propagation;
 pub mod scheme;
 pub mod series;
+pub mod sides;
 pub mod studies;
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@
 //! scattered.
 //!
 //! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends
-//! it goes on sending it. In two bands both are handed on alike. Other lobes depend on all light in a cell:
+//! it goes on sending it, and it is kept apart by [`sides`](super::sides). In two bands both are handed on alike. Other lobes depend on all light in a cell:
 //! where pulses of all walls of a room cross in its middle they become one without a direction, and stay;
 //! steady light is even there, but much light drags along the little that comes against it, so that surfaces
 //! beside bright ones get too little.
@@ -14,8 +14,9 @@ use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
 use super::lobe::MATTE;
 use super::series::{self, LOOKED_AT};
+use super::sides::{Begun, SIDES, side_of};
 use super::{Flight, LightGrid, Scheme};
-use glam::Vec4;
+use glam::{Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 /// Light of three colours in a cell, of each its flux and, last, its energy, watts.
@@ -25,7 +26,7 @@ pub type Light = [Vec4; 3];
 pub(crate) type Kept = [Vec4; 3];
 
 /// Most kinds of light.
-pub const MOST_KINDS: usize = 3;
+pub const MOST_KINDS: usize = SIDES;
 
 /// Of each kind and colour, energy or what is like it.
 pub type Energies = [[f32; 3]; MOST_KINDS];
@@ -66,7 +67,7 @@ pub struct Kinds {
     pub unscattered: usize,
     /// Whether light goes on that was scattered.
     pub scattered: bool,
-    /// Whether what sends light goes on sending it; of one kind that met no medium.
+    /// Whether what sends light goes on sending it; kinds are the sides to which it does.
     pub is_steady: bool,
 }
 
@@ -88,9 +89,12 @@ impl CellFluence {
         Self { by_medium: none.clone(), by_surfaces: none.clone(), first: none }
     }
 
-    /// That of one kind of one, or of two that met no medium and of scattered light, in a cell.
+    /// That of one kind of one, or of two that met no medium and of scattered light, or of a side, in a cell.
     pub fn of_kind(&self, kinds: Kinds, kind: usize, cell: usize) -> Light {
         let last = self.by_surfaces[cell];
+        if kinds.is_steady {
+            return last.map(|light| if side_of(light.xyz()) == kind { light } else { Vec4::ZERO });
+        }
         match kind + 1 {
             count if count == kinds.count() => last,
             1 => self.first[cell],
@@ -111,7 +115,7 @@ pub struct Field {
     /// Whether cells at the border take what arrives.
     is_nested: bool,
     /// What each iteration adds to steady light.
-    source: Option<Vec<Light>>,
+    begun: Option<Begun>,
     /// What is shown of it.
     pub shown: CellFluence,
 }
@@ -136,6 +140,7 @@ impl Kinds {
     /// What becomes of a kind by reflection; none where that is not shown.
     const fn reflected(self, kind: usize) -> Option<usize> {
         match kind + 1 < self.unscattered {
+            _ if self.is_steady => None,
             true => Some(kind + 1),
             false if self.scattered => Some(kind),
             false => None,
@@ -159,7 +164,7 @@ impl Arriving {
 
     fn show(&mut self, kinds: Kinds, kind: usize, light: Vec4) {
         let light = self.weights[kind] * light;
-        if kind + 1 >= kinds.unscattered {
+        if kind + 1 >= kinds.unscattered || kinds.is_steady {
             self.by_medium += light;
         }
         if kind + 1 == kinds.count() {
@@ -174,17 +179,18 @@ impl Arriving {
 impl Field {
     /// Before the first iteration: light that surfaces send and, if scattered light goes on too, that.
     pub fn new(volume: &Volume, kinds: Kinds, sent: &[Light], scattered: &[Light]) -> Self {
-        let source = kinds.is_steady.then(|| sent.to_vec());
+        let begun = kinds.is_steady.then(|| Begun::new(volume, sent));
         let none = vec![Light::default(); sent.len()];
         let scheme = volume.scheme;
-        let light = |kind: usize| match kind {
+        let light = |kind: usize| match (kind, &begun) {
+            (_, Some(begun)) => &begun.sources[kind][..],
             _ if kinds.is_scattered(kind) => scattered,
-            0 => sent,
-            _ => &none,
+            (0, None) => sent,
+            (_, None) => &none,
         };
         let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
         let lobes = (0..kinds.count()).map(lobes).collect();
-        Self { source, ..Self::of_lobes(scheme, kinds, lobes) }
+        Self { begun, ..Self::of_lobes(scheme, kinds, lobes) }
     }
 
     /// Light that is all of the last kind.
@@ -198,7 +204,7 @@ impl Field {
     pub(crate) fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
         let shown = CellFluence::none(cells);
-        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, source: None, shown }
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, begun: None, shown }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
@@ -207,8 +213,9 @@ impl Field {
         self.is_nested = true;
         for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
-            if let Some(source) = &mut self.source {
-                source[cell] = light[0];
+            if let Some(begun) = &mut self.begun {
+                begun.halfway[cell] = Light::default();
+                begun.sources.iter_mut().zip(&light).for_each(|(source, light)| source[cell] = *light);
             }
             for (lobes, light) in self.lobes.iter_mut().zip(light) {
                 lobes[cell] = light.map(|of| self.scheme.lobes.begins(of));
@@ -307,8 +314,8 @@ impl Field {
         let colours =
             |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, (&again, of(colour)), cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
-        if let Some(source) = &self.source {
-            (self.lobes[0], self.shown) = self.steadied(volume, source, &arrived);
+        if let Some(begun) = &self.begun {
+            (self.lobes, self.shown) = self.steadied(volume, begun, &arrived);
             return;
         }
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
@@ -333,17 +340,23 @@ impl Field {
     fn steadied(
         &self,
         volume: &Volume,
-        source: &[Light],
+        begun: &Begun,
         arrived: &[[Arriving; 3]],
-    ) -> (Vec<Kept>, CellFluence) {
-        let lobes = |cell: usize| {
+    ) -> (Vec<Vec<Kept>>, CellFluence) {
+        let lobes = |kind: usize, cell: usize| {
             // What arrives at the border of a finer volume is the coarser one's.
             let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
-            let all = |colour: usize| source[cell][colour] + arrived[cell][colour].kinds[0] * on;
+            let source = begun.sources[kind][cell];
+            let all = |colour: usize| source[colour] + arrived[cell][colour].kinds[kind] * on;
             [0, 1, 2].map(|colour| self.scheme.lobes.begins(all(colour)))
         };
-        let lobes = (0..arrived.len()).into_par_iter().map(lobes).collect();
-        let shown: Vec<Light> = arrived.iter().map(|arrived| arrived.map(|of| of.by_medium)).collect();
+        let of_kind =
+            |kind: usize| (0..arrived.len()).into_par_iter().map(|cell| lobes(kind, cell)).collect();
+        let lobes = (0..self.kinds.count()).map(of_kind).collect();
+        let shown = |(halfway, arrived): (&Light, &[Arriving; 3])| -> Light {
+            std::array::from_fn(|colour| halfway[colour] + arrived[colour].by_medium)
+        };
+        let shown: Vec<Light> = begun.halfway.iter().zip(arrived).map(shown).collect();
         (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 

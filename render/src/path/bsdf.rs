@@ -18,12 +18,14 @@
 //! reflected even if it is above the shading normal, so that none comes through the surface; that light is
 //! lost.
 
+mod albedo;
 mod fresnel;
 mod ggx;
 mod phong;
 #[cfg(test)]
 mod tests;
 
+pub use albedo::hemispherical_albedo;
 pub use fresnel::Fresnel;
 pub use ggx::Ggx;
 pub use phong::Phong;

@@ -15,6 +15,7 @@ pub use patch::Patch;
 
 use super::geometry::{Draw, draws_of};
 use crate::gbuffer::OBJECT_IDS;
+use crate::path::bsdf::hemispherical_albedo;
 use crate::scene::{Glow, Material, Mesh, Scene, Surface};
 use closed::closed;
 use glam::{Vec2, Vec3, Vec4};
@@ -32,14 +33,23 @@ const SAMPLES: [[f32; 3]; 4] = [
     [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0],
 ];
 
-/// The parts of all triangles of a scene whose meshes are drawn as `draws` says.
-pub fn patches(scene: &Scene, draws: &[Draw]) -> Vec<Patch> {
-    cut(scene, draws, PARTS)
+/// What of a surface's reflectance its patches know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reflectance {
+    /// Its diffuse colour.
+    Diffuse,
+    /// All that it reflects of even light: its hemispherical albedo.
+    All,
 }
 
-/// As [`patches`], about `parts` of them beside triangles that are smaller than one.
+/// The parts of all triangles of a scene whose meshes are drawn as `draws` says.
+pub fn patches(scene: &Scene, draws: &[Draw], reflectance: Reflectance) -> Vec<Patch> {
+    cut_into(scene, draws, PARTS, |part| painted(part, reflectance))
+}
+
+/// As [`patches`] of the diffuse colour, about `parts` of them beside triangles that are smaller than one.
 pub fn cut(scene: &Scene, draws: &[Draw], parts: f32) -> Vec<Patch> {
-    cut_into(scene, draws, parts, painted)
+    cut_into(scene, draws, parts, |part| painted(part, Reflectance::Diffuse))
 }
 
 /// Radiance that each of a scene's [`patches`] emits; empty where nothing does.
@@ -60,14 +70,18 @@ pub fn origins(scene: &Scene) -> Vec<[usize; 2]> {
 }
 
 /// The [patches](of_scene) of a scene that stays, painted where `is_wanted` says so of a patch before that.
-pub fn painted_where(scene: &Scene, is_wanted: impl FnOnce(&[Patch]) -> Vec<bool>) -> Vec<Patch> {
+pub fn painted_where(
+    scene: &Scene,
+    reflectance: Reflectance,
+    is_wanted: impl FnOnce(&[Patch]) -> Vec<bool>,
+) -> Vec<Patch> {
     let cut = |part: &TrianglePart<'_>| (part.patch, [part.mesh, part.triangle]);
     let (mut patches, origins): (Vec<Patch>, Vec<_>) =
         cut_into(scene, &draws_of(scene), PARTS, cut).into_iter().unzip();
     let wanted = is_wanted(&patches);
     let all = patches.par_iter_mut().zip(origins).zip(wanted);
     all.filter(|(_, wanted)| *wanted).for_each(|((patch, [mesh, triangle]), _)| {
-        *patch = painted(&TrianglePart { patch: *patch, scene, mesh, triangle });
+        *patch = painted(&TrianglePart { patch: *patch, scene, mesh, triangle }, reflectance);
     });
     patches
 }
@@ -117,8 +131,8 @@ fn cut_into<T: Send>(
 }
 
 /// The parts of a scene that stays.
-pub fn of_scene(scene: &Scene) -> Vec<Patch> {
-    cut_scene(scene, PARTS)
+pub fn of_scene(scene: &Scene, reflectance: Reflectance) -> Vec<Patch> {
+    patches(scene, &draws_of(scene), reflectance)
 }
 
 /// About so many parts of a scene that stays.
@@ -127,8 +141,11 @@ pub fn cut_scene(scene: &Scene, parts: f32) -> Vec<Patch> {
 }
 
 /// A part of a triangle with what its material says.
-fn painted(part: &TrianglePart<'_>) -> Patch {
-    let (coverage, colour) = part.mean(|surface| surface.diffuse);
+fn painted(part: &TrianglePart<'_>, reflectance: Reflectance) -> Patch {
+    let (coverage, colour) = part.mean(match reflectance {
+        Reflectance::Diffuse => |surface| surface.diffuse,
+        Reflectance::All => hemispherical_albedo,
+    });
     part.patch.painted(colour, coverage)
 }
 

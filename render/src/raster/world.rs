@@ -6,7 +6,7 @@ use super::geometry::Geometry;
 use super::glow::GlowOnGpu;
 use super::light::Lights;
 use super::medium::MediumOnGpu;
-use super::patches::{self, Emission, Patch};
+use super::patches::{self, Emission, Patch, Reflectance};
 use super::pose::Posing;
 use super::shadow::{self, CameraView, MapPlan, ShadowPass};
 use super::texture::Textures;
@@ -49,7 +49,8 @@ pub struct World {
     maps_stay: bool,
     map_views: Vec<FrameView>,
     seen: Option<CameraView>,
-    patches: OnceLock<Vec<Patch>>,
+    /// By the reflectance that they know.
+    patches: [OnceLock<Vec<Patch>>; 2],
     /// What the device cannot do as it was asked to, in words.
     pub notes: Vec<String>,
     /// What it was like before.
@@ -94,7 +95,7 @@ impl World {
             maps_stay: false,
             map_views: Vec::new(),
             seen: None,
-            patches: OnceLock::new(),
+            patches: [const { OnceLock::new() }; 2],
             past: Vec::new(),
         })
     }
@@ -203,8 +204,9 @@ impl World {
     }
 
     /// The parts of its surface that surfels are laid out on; made when they are asked for first.
-    pub fn patches(&self) -> &[Patch] {
-        self.patches.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws))
+    pub fn patches(&self, reflectance: Reflectance) -> &[Patch] {
+        let made = &self.patches[reflectance as usize];
+        made.get_or_init(|| patches::patches(&self.scene, &self.geometry.draws, reflectance))
     }
 
     /// Radiance that each of them emits; none where nothing emits.

@@ -68,7 +68,7 @@ impl Cloud {
     /// # Errors
     /// If the device has no room.
     pub fn new(device: &wgpu::Device, world: &World, lit: Option<SurfelLight>) -> Result<Self, GpuError> {
-        let patches = world.patches();
+        let patches = world.patches(SurfelLight::reflectance(lit));
         // A binding holds at least one, which is nowhere.
         let patches = if patches.is_empty() { &[Patch::NOWHERE] } else { patches };
         let count = patches.len();

@@ -7,6 +7,7 @@ use super::kept;
 use crate::raster::World;
 use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
+use crate::raster::patches::Reflectance;
 use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::Shader;
@@ -25,6 +26,17 @@ pub enum SurfelLight {
     Received,
     /// What they give back of light that they kept.
     Kept,
+}
+
+impl SurfelLight {
+    /// What of a surface's reflectance its surfels know that send such light: through a medium surfaces send
+    /// all that they reflect, as truth of fog has it.
+    pub fn reflectance(lit: Option<Self>) -> Reflectance {
+        match lit {
+            Some(Self::Dimmed { .. }) => Reflectance::All,
+            None | Some(Self::Reflected | Self::Received | Self::Kept) => Reflectance::Diffuse,
+        }
+    }
 }
 
 /// The pass, if there is one, at the end of an image of what surfels send, `[3, height, width]`: light that

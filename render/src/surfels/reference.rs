@@ -4,7 +4,7 @@ use super::{MOST, Surfel, SurfelDensity, SurfelLight};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
-use crate::raster::patches::{self, Patch};
+use crate::raster::patches::{self, Patch, Reflectance};
 use crate::scene::medium::POINTS;
 use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
@@ -194,7 +194,7 @@ pub fn vertices<'a>(meshes: impl IntoIterator<Item = &'a Mesh>, camera: &Camera)
 
 /// The surfels of a scene that stays, for a view.
 pub fn surfels(scene: &Scene, parameters: &SurfelDensity, view: &View) -> Vec<Disk> {
-    patches_and_disks(scene, parameters, view).1
+    patches_and_disks(scene, (parameters, Reflectance::Diffuse), view).1
 }
 
 /// The surfels of a scene that stays, for a view, with the light that they send, if any.
@@ -204,7 +204,8 @@ pub fn laid(
     view: &View,
     light: Option<SurfelLight>,
 ) -> Vec<Disk> {
-    let (patches, disks) = patches_and_disks(scene.scene(), parameters, view);
+    let reflectance = SurfelLight::reflectance(light);
+    let (patches, disks) = patches_and_disks(scene.scene(), (parameters, reflectance), view);
     match light {
         Some(light) => lit(scene, disks, &patches, &view.camera, light),
         None => disks,
@@ -212,10 +213,14 @@ pub fn laid(
 }
 
 /// The patches of a scene, of which those without a surfel are not painted, and their surfels.
-fn patches_and_disks(scene: &Scene, parameters: &SurfelDensity, view: &View) -> (Vec<Patch>, Vec<Disk>) {
+fn patches_and_disks(
+    scene: &Scene,
+    (parameters, reflectance): (&SurfelDensity, Reflectance),
+    view: &View,
+) -> (Vec<Patch>, Vec<Disk>) {
     let (vertices, settings) = (vertices(scene.meshes.iter(), &view.camera), parameters.settings(view));
     let mut all = Vec::new();
-    let patches = patches::painted_where(scene, |patches| {
+    let patches = patches::painted_where(scene, reflectance, |patches| {
         all = amounts(patches, &vertices, &settings, view);
         all.iter().map(|amount| *amount > 0.0).collect()
     });

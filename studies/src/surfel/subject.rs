@@ -9,7 +9,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::surfel;
 use deepshade_render::raster::frame::{Frame, FrameStage, RasterSettings};
-use deepshade_render::raster::patches;
+use deepshade_render::raster::patches::{self, Reflectance};
 use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_render::surfels::{self, Surfel, reference};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
@@ -83,7 +83,7 @@ impl<'a> SurfelFrame<'a> {
 
     /// Parts of its surface that surfels are laid out on.
     pub fn patches(&self) -> usize {
-        self.frame.world().patches().len()
+        self.frame.world().patches(Reflectance::Diffuse).len()
     }
 
     /// By how much the areas of all surfels together miss that of the surface, as a share of it. For that
@@ -102,7 +102,7 @@ impl<'a> SurfelFrame<'a> {
         let found = self.surfel_area(&passes)?;
         let scene = &self.animated_view.animated.scene;
         let vertices = reference::vertices(scene.meshes.iter(), &view.camera);
-        Ok(found / patches::covered_area(self.frame.world().patches(), &vertices) - 1.0)
+        Ok(found / patches::covered_area(self.frame.world().patches(Reflectance::Diffuse), &vertices) - 1.0)
     }
 
     /// The area of all surfels that a method's passes lay out, m².

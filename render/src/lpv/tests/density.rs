@@ -114,7 +114,7 @@ fn sent_into(extinction: f32, albedo: f32) -> [f32; 2] {
     volume.passing.fill(std::array::from_fn(|link| f32::from(u8::from(along[link]))));
     let source = Vec4::new(0.0, 0.0, 0.7, 1.0);
     let ahead = neighbours().find(|n| n.offset == IVec3::Z).expect("a neighbour");
-    let sent = SHARES[ahead.class] * Lobes::Squared.towards(&Lobes::Squared.begins(source), &ahead);
+    let sent = SHARES[ahead.class] * Lobes::Squared.towards(Lobes::Squared.begins(source), &ahead);
     let mut field = lit(&volume, IVec3::new(1, 1, 0), source);
     field.iterate(&volume, 60);
     let shown = |z: i32| field.shown.by_medium[volume.grid.index(IVec3::new(1, 1, z)).expect("a cell")][0].w;

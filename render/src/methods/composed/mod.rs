@@ -97,7 +97,13 @@ struct Part {
 
 impl Part {
     fn new(shown: Shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool) -> Self {
-        let any = View { height: 1, width: 1, camera: Camera::look_at(Vec3::ZERO, Vec3::NEG_Z), radius: 1.0, seed: 0 };
+        let any = View {
+            height: 1,
+            width: 1,
+            camera: Camera::look_at(Vec3::ZERO, Vec3::NEG_Z),
+            radius: 1.0,
+            seed: 0,
+        };
         let uniforms = made.uniforms(&any).len();
         Self { shown, made, uniforms, has }
     }

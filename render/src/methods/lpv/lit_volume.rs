@@ -14,6 +14,7 @@ use crate::path::phosphor::Afterglow;
 use crate::raster::geometry::draws_of;
 use crate::raster::patches::{self, Emission, Patch};
 use crate::screen::View;
+use crate::surfels::SurfelLight;
 use crate::surfels::reference::{self as surfels, Disk};
 use glam::{IVec3, Mat3, Vec3, Vec4Swizzles};
 use std::f32::consts::PI;
@@ -66,7 +67,7 @@ impl LitVolumes {
         reach: f32,
     ) -> Self {
         let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
-        let patches = patches::of_scene(scene.scene());
+        let patches = patches::of_scene(scene.scene(), SurfelLight::reflectance(Some(filled.lit())));
         let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
         let shines = shines(scene, &patches, filled);
         let cells = cells(scene, grids[grids.len() - 1].cell, filled);

@@ -6,6 +6,7 @@ use super::shining::Shining;
 use super::shown::VolumeOnGpu;
 use super::volume_buffers::{self, Nesting, VolumeBuffers};
 use crate::lpv::propagation::Kinds;
+use crate::lpv::sides::SIDES;
 use crate::raster::World;
 use crate::scene::{Bounds, Scene};
 use crate::screen::{Device, MethodStep, Resources, View, Workgroups};
@@ -70,7 +71,7 @@ impl Filled {
                 Kinds { unscattered: 2, scattered: true, is_steady: false }
             }
             Self::Medium(MediumLight::Reflected { by_surfaces: false }) => {
-                Kinds { unscattered: 1, scattered: false, is_steady: true }
+                Kinds { unscattered: SIDES, scattered: false, is_steady: true }
             }
             Self::Clear | Self::Kept | Self::Medium(MediumLight::Reflected { by_surfaces: true }) => {
                 Kinds { unscattered: 1, scattered: false, is_steady: false }
@@ -202,7 +203,7 @@ fn level_steps(
         steps.extend(emitted);
         emission = Some(shown);
     }
-    steps.push(room.fresh_step(device)?);
+    steps.push(room.fresh_step(device, frame.world)?);
     if room.kinds.scattered {
         steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
     }
@@ -267,7 +268,7 @@ fn emission_steps(
     let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
     let mut steps = vec![clear_step(device, &emitted)?];
     steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
-    steps.push(emitted.fresh_step(device)?);
+    steps.push(emitted.fresh_step(device, world)?);
     if let Some(outside) = outside {
         steps.push(emitted.border_step(device, world, outside)?);
     }

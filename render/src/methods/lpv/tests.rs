@@ -25,7 +25,6 @@ use crate::screen::{self, GpuGBuffer, Inputs, MethodPasses, PlainInputs, ScreenM
 use deepshade_shaders::GBuffer;
 use deepshade_shaders::gpu::{self, Gpu};
 use glam::{Vec3, Vec4};
-use room::{fog, from_a_corner, shining};
 
 const FEW: LpvParameters =
     LpvParameters { cells: 14, cascades: 1, iterations: 9, steps: 12, scale: 2, scheme: Scheme::OURS };

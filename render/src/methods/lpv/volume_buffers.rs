@@ -33,7 +33,7 @@ pub struct VolumeBuffers {
     /// `[kinds, 3, cells, 4]` f32, before and after an iteration; if there is scattered light also
     /// `[cells, 4]`, what is sent out again.
     states: [wgpu::Buffer; 2],
-    /// `[3, cells, 4]` f32: what each iteration adds to steady light.
+    /// `[sides, 3, cells, 4]` f32: what each iteration adds to steady light.
     source: wgpu::Buffer,
     /// `[kinds, 4]` f32: by how much to multiply what an iteration shows.
     pub weights: wgpu::Buffer,
@@ -148,11 +148,24 @@ impl VolumeBuffers {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn fresh_step(&self, device: &Device) -> Result<MethodStep, GpuError> {
-        let own = [self.first(), self.scheme.lobes_constant(), self.steady()];
+    pub fn fresh_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
+        if self.kinds.is_steady {
+            return self.sides_step(device, world);
+        }
+        let own = [self.first(), self.scheme.lobes_constant()];
         let constants = [&self.constants()[..], &own].concat();
         let pass = device.pass(Shader::at("methods/lpv/fresh"), &constants)?;
         let reads = [(0, &self.record), (1, &self.sums)];
+        let writes = [(3, &self.shown), (5, &self.weights), (2, &self.states[0])];
+        MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
+    }
+
+    /// The same of light that is kept apart by sides.
+    fn sides_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
+        let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
+        let pass = device.pass(Shader::at("methods/lpv/sides"), &constants)?;
+        let reads = [(0, &self.record), (1, &self.sums), (6, &world.medium.record)];
+        let reads: Vec<_> = reads.into_iter().chain([(7, &self.media), (8, &self.links)]).collect();
         let writes = [(3, &self.shown), (4, &self.source), (5, &self.weights), (2, &self.states[0])];
         MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
     }
@@ -273,7 +286,7 @@ pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: 
 
 /// Room for what each iteration adds, which only steady light needs.
 fn source(device: &Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {
-    gpu::empty::<[f32; 4]>(device, "lpv.source", if kinds.is_steady { 3 * cells } else { 1 })
+    gpu::empty::<[f32; 4]>(device, "lpv.source", if kinds.is_steady { 3 * kinds.count() * cells } else { 1 })
 }
 
 /// Whether there is scattered light, as the passes have it.

@@ -32,7 +32,7 @@ use crate::methods::Surface;
 use crate::methods::disks::{DiskEffect, Plain};
 use crate::methods::surface::vector;
 use crate::path::sss::profile;
-use crate::raster::patches;
+use crate::raster::patches::{self, Reflectance};
 use crate::surfels::reference::Disk;
 use crate::surfels::{SurfelLight, Tree};
 use deepshade_shaders::wgsl::Shader;
@@ -78,7 +78,7 @@ fn plain(plain: &Plain<'_, SurfelParameters>, disks: &[Disk]) -> Result<Planes, 
     let (objects, own) = (seen(Attribute::ObjectId)?, seen(Attribute::DiffuseLight)?);
     let scales = |at| vector(&lengths, at).max(Vec3::ZERO) / shape(vector(&colours, at));
 
-    let patches = patches::of_scene(plain.scene.scene());
+    let patches = patches::of_scene(plain.scene.scene(), Reflectance::Diffuse);
     let gives = |disk: &Disk, _: f32, way: Vec3, Receiver { pixel, normal }: Receiver| {
         let object = objects.at(0, pixel.y as usize, pixel.x as usize);
         let is_own = object == patches[disk.patch as usize].object as f32;

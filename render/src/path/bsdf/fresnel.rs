@@ -43,6 +43,17 @@ impl Fresnel {
         Vec3::ONE - self.reflected(cosine)
     }
 
+    /// The mean of what is let through and out again, of light from everywhere.
+    pub fn mean_let_through(&self) -> Vec3 {
+        let mean = Vec3::ONE - self.normal - self.added / 21.0;
+        mean * mean * self.inverse_mean
+    }
+
+    /// What a lobe reflects that reflects such a share of all light, and such a share of `(1 - cos)^5` of it.
+    pub fn mean_of(&self, all: f32, grazing: f32) -> Vec3 {
+        self.normal * all + self.added * grazing
+    }
+
     /// Share let out again at an angle, of what the base reflects: in the mean over all of them 1.
     pub fn let_out(&self, cosine: f32) -> Vec3 {
         self.let_through(cosine) * self.inverse_mean

@@ -23,7 +23,7 @@
 @group(0) @binding(4) var<storage, read> shown: array<vec4f>;
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]: what is sent out again
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
-// [3, cells]: flux and energy of steady light
+// [sides, 3, cells]: flux and energy of steady light
 @group(0) @binding(6) var<storage, read_write> source: array<vec4f>;
 
 // The shortest way, cells: of light that is hardly there.
@@ -61,6 +61,15 @@ fn way_of(handed: vec4f, within: f32, extinction: f32, again: f32) -> f32 {
 // Light of a kind in a cell of the coarser grid.
 fn of_kind(light: u32, at: u32) -> vec4f {
     let plane = 3u * u32(outside.size.w);
+    if STEADY == 1u {
+        let all = shown[at];
+        let along = abs(all.xyz);
+        var axis = select(2u, 1u, along.y >= along.z);
+        if along.x >= along.y && along.x >= along.z {
+            axis = 0u;
+        }
+        return select(vec4f(0.0), all, light == 2u * axis + select(0u, 1u, all[axis] < 0.0));
+    }
     if light + 1u == KINDS {
         return shown[SCATTERED * plane + at];
     }

@@ -1,5 +1,4 @@
-// Light that surfaces send, before the first iteration; nothing is shown yet. Where it is STEADY each
-// iteration adds it anew.
+// Light that surfaces send, before the first iteration; nothing is shown yet.
 
 #import shared/lpv_fixed
 #import shared/lpv_grid
@@ -8,7 +7,6 @@
 #import uniforms/light_grid
 #constant FIRST = 1
 #constant SCATTERED = 1
-#constant STEADY = 1
 #constant UNSCATTERED = 2
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
@@ -18,8 +16,6 @@
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 // [1 + SCATTERED + FIRST, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
-// [3, cells]: flux and energy of steady light
-@group(0) @binding(4) var<storage, read_write> source: array<vec4f>;
 // [kinds]: by how much to multiply what an iteration shows
 @group(0) @binding(5) var<storage, read_write> weights: array<vec4f>;
 
@@ -36,9 +32,6 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         let face = grid.low.w * grid.low.w;
         let flux = face * vec3f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u));
         let sent = vec4f(flux, face * fixed_sum(first + 3u));
-        if STEADY == 1u {
-            source[lobe_index(0u, c, id.x)] = sent;
-        }
         state[lobe_index(0u, c, id.x)] = lobe(sent.xyz, sent.w);
         for (var light = 1u; light < UNSCATTERED; light++) {
             state[lobe_index(light, c, id.x)] = vec4f(0.0);

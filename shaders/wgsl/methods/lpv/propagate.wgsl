@@ -47,7 +47,7 @@ struct Iteration {
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
-// [3, cells]: flux and energy that each iteration adds to light that is STEADY
+// [sides, 3, cells]: flux and energy that each iteration adds to light that is STEADY
 @group(0) @binding(9) var<storage, read> source: array<vec4f>;
 // [kinds]: by how much to multiply what is shown: 1, but for the last iteration
 @group(0) @binding(10) var<storage, read> weights: array<vec4f>;
@@ -104,7 +104,7 @@ alias Seen = array<Sums, 3>;
 // Adds light of a kind to what the medium and surfaces show of it, and to the first kind.
 fn show(seen: ptr<function, Seen>, light: u32, energy: vec3f, direction: vec3f) {
     let weighed = weights[light].rgb * energy;
-    if light + 1u >= UNSCATTERED {
+    if STEADY == 1u || light + 1u >= UNSCATTERED {
         seen[0] = added(seen[0], weighed, direction);
     }
     if light == UNSCATTERED {

@@ -1,0 +1,132 @@
+//! What a surface reflects of light that comes from everywhere alike, as a share: its hemispherical albedo
+//! (pbrt's `rho_hh`).
+
+use super::{Fresnel, Ggx, Phong, mirrored};
+use crate::sampler::cosine_hemisphere;
+use crate::scene::{Gloss, Surface};
+use glam::{Vec2, Vec3};
+use std::sync::LazyLock;
+
+/// Roughnesses of which shares are known, from 0 to 1; between them they are linear.
+const ROUGHNESSES: usize = 17;
+/// Directions of viewers, and of light for each, along an edge of their squares.
+const DIRECTIONS: usize = 12;
+
+/// What a lobe reflects at a roughness.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shares {
+    /// Of microfacets that reflect all.
+    microfacets: f32,
+    /// Of those that reflect `(1 - cos)^5`.
+    grazing: f32,
+    /// Of Phong's lobe.
+    phong: f32,
+}
+
+/// The share of even light that a surface reflects, of each colour.
+pub fn hemispherical_albedo(surface: &Surface) -> Vec3 {
+    let Surface { diffuse, specular, .. } = *surface;
+    match surface.gloss {
+        Gloss::None => diffuse,
+        Gloss::Phong => diffuse + specular * shares(surface.roughness).phong,
+        Gloss::Microfacets if specular == Vec3::ZERO => diffuse,
+        Gloss::Microfacets => {
+            let (fresnel, shares) = (Fresnel::new(specular), shares(surface.roughness));
+            diffuse * fresnel.mean_let_through() + fresnel.mean_of(shares.microfacets, shares.grazing)
+        }
+    }
+}
+
+/// The shares at a roughness from 0 to 1.
+fn shares(roughness: f32) -> Shares {
+    static TABLE: LazyLock<[Shares; ROUGHNESSES]> =
+        LazyLock::new(|| std::array::from_fn(|i| of_roughness(i as f32 / (ROUGHNESSES - 1) as f32)));
+    let at = roughness.clamp(0.0, 1.0) * (ROUGHNESSES - 1) as f32;
+    let low = (at as usize).min(ROUGHNESSES - 2);
+    let (part, [low, high]) = (at - low as f32, [TABLE[low], TABLE[low + 1]]);
+    let mixed = |low: f32, high: f32| low + part * (high - low);
+    Shares {
+        microfacets: mixed(low.microfacets, high.microfacets),
+        grazing: mixed(low.grazing, high.grazing),
+        phong: mixed(low.phong, high.phong),
+    }
+}
+
+/// Means over viewers by their cosine, of light taken as lobes reflect it.
+fn of_roughness(roughness: f32) -> Shares {
+    let (ggx, phong) = (Ggx::new(roughness), Phong::new(roughness));
+    let mut sum = Shares::default();
+    for viewer in squares().map(|square| cosine_hemisphere(square.x, square.y)) {
+        for square in squares() {
+            let light = ggx.sample(viewer, square);
+            let density = ggx.density(viewer, light);
+            if light.z > 0.0 && density > 0.0 {
+                let weight = ggx.reflectance(viewer, light) * light.z / density;
+                let cosine = viewer.dot((viewer + light).normalize_or(Vec3::Z));
+                sum.microfacets += weight;
+                sum.grazing += weight * (1.0 - cosine).clamp(0.0, 1.0).powi(5);
+            }
+            let light = phong.sample(viewer, square);
+            let along = mirrored(viewer).dot(light);
+            if light.z > 0.0 && phong.density(along) > 0.0 {
+                sum.phong += phong.reflectance(along) * light.z / phong.density(along);
+            }
+        }
+    }
+    let count = (DIRECTIONS * DIRECTIONS * DIRECTIONS * DIRECTIONS) as f32;
+    Shares { microfacets: sum.microfacets / count, grazing: sum.grazing / count, phong: sum.phong / count }
+}
+
+/// The middles of the parts of a square.
+fn squares() -> impl Iterator<Item = Vec2> {
+    let at = |i: usize| (i as f32 + 0.5) / DIRECTIONS as f32;
+    (0..DIRECTIONS * DIRECTIONS).map(move |i| Vec2::new(at(i % DIRECTIONS), at(i / DIRECTIONS)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::bsdf::Bsdf;
+    use crate::sampler::{PixelSampler, Stream};
+    use crate::scene::Material;
+    use glam::Vec4;
+
+    /// The mean of what the reflectance sends back to viewers, by its own samples.
+    fn sampled(surface: &Surface) -> Vec3 {
+        let bsdf = Bsdf::of(surface, Vec3::Z, Vec3::Z);
+        let samples = 40_000;
+        let mut sum = Vec3::ZERO;
+        for sample in 0..samples {
+            let mut stream = Stream::new(PixelSampler::new(0, 0, 3), sample);
+            let square = stream.next_2d();
+            let viewer = cosine_hemisphere(square.x, square.y);
+            sum += bsdf.sample(viewer, &mut stream).map_or(Vec3::ZERO, |sample| sample.weight);
+        }
+        sum / samples as f32
+    }
+
+    #[test]
+    fn it_is_what_the_reflectance_reflects() {
+        for (metallic, roughness, gloss) in [
+            (0.0, 1.0, Gloss::Microfacets),
+            (0.0, 0.3, Gloss::Microfacets),
+            (1.0, 0.6, Gloss::Microfacets),
+            (0.5, 0.85, Gloss::Microfacets),
+            (0.0, 0.5, Gloss::Phong),
+            (0.0, 1.0, Gloss::None),
+        ] {
+            let base_colour = Vec4::new(0.9, 0.5, 0.1, 1.0);
+            let material = Material { base_colour, metallic, roughness, gloss, ..Material::default() };
+            let surface = material.surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
+            let (is, wanted) = (hemispherical_albedo(&surface), sampled(&surface));
+            assert!((is - wanted).abs().max_element() < 0.01, "{material:?}: {is} for {wanted}");
+        }
+    }
+
+    #[test]
+    fn rough_white_reflects_less_than_it_receives() {
+        let surface = Material::default().surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
+        let albedo = hemispherical_albedo(&surface).x;
+        assert!((0.92..0.94).contains(&albedo), "{albedo}");
+    }
+}
