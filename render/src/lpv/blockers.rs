@@ -4,7 +4,8 @@
 //! middle of a cell to that of a neighbour has a tube, whose section is what light along the link has to
 //! itself: the tubes of all parallel links fill space once. A surface counts for the links in whose tubes it
 //! lies, by the share of the section that it covers. So a wall that ends at another one hides all of a link
-//! beside it, and of a link across the edge of both each hides its part.
+//! beside it, and of a link across the edge of both each hides its part; of one across a corner of three they
+//! hide three quarters.
 
 use super::LightGrid;
 use super::lattice::{LINKS, neighbours};
@@ -135,7 +136,8 @@ mod tests {
             // From beside a wall into the room; from beyond an edge or its corner into its first cell.
             let from = IVec3::splat(2) - neighbour.offset;
             let passes = passing[GRID.index(from).expect("a cell")][link];
-            assert!(passes < 0.06, "{neighbour:?}: {passes}");
+            let most = if neighbour.class == 2 { 0.28 } else { 0.06 };
+            assert!(passes < most, "{neighbour:?}: {passes}");
         }
         assert!(passing[GRID.index(outside).expect("a cell")].contains(&1.0));
     }

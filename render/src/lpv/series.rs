@@ -31,8 +31,9 @@ fn weight_of([first, second, third]: [f32; LOOKED_AT]) -> f32 {
     if first <= 0.0 || second <= 0.0 {
         return 1.0;
     }
-    let (before, ratio) = (second / first, (third / second).min(MOST));
-    let unsteady = (ratio - before).abs() / (1.0 - ratio);
+    let (before, after) = (second / first, third / second);
+    let ratio = after.min(MOST);
+    let unsteady = (after - before).abs() / (1.0 - ratio);
     let known = (2.0 - 10.0 * unsteady).clamp(0.0, 1.0);
     1.0 + known * ratio / (1.0 - ratio)
 }

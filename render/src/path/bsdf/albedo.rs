@@ -2,14 +2,15 @@
 //! (pbrt's `rho_hh`).
 
 use super::{Fresnel, Ggx, Phong, mirrored};
-use crate::sampler::cosine_hemisphere;
 use crate::scene::{Gloss, Surface};
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
 /// Roughnesses of which shares are known, from 0 to 1; between them they are linear.
 const ROUGHNESSES: usize = 17;
-/// Directions of viewers, and of light for each, along an edge of their squares.
+/// Directions of viewers, whose azimuth does not matter.
+const VIEWERS: usize = 64;
+/// Directions of light for each, along an edge of their square.
 const DIRECTIONS: usize = 12;
 
 /// What a lobe reflects at a roughness.
@@ -56,7 +57,7 @@ fn shares(roughness: f32) -> Shares {
 fn of_roughness(roughness: f32) -> Shares {
     let (ggx, phong) = (Ggx::new(roughness), Phong::new(roughness));
     let mut sum = Shares::default();
-    for viewer in squares().map(|square| cosine_hemisphere(square.x, square.y)) {
+    for viewer in (0..VIEWERS).map(|i| viewer((i as f32 + 0.5) / VIEWERS as f32)) {
         for square in squares() {
             let light = ggx.sample(viewer, square);
             let density = ggx.density(viewer, light);
@@ -73,8 +74,13 @@ fn of_roughness(roughness: f32) -> Shares {
             }
         }
     }
-    let count = (DIRECTIONS * DIRECTIONS * DIRECTIONS * DIRECTIONS) as f32;
+    let count = (VIEWERS * DIRECTIONS * DIRECTIONS) as f32;
     Shares { microfacets: sum.microfacets / count, grazing: sum.grazing / count, phong: sum.phong / count }
+}
+
+/// A direction whose cosine has this square: of even ones a cosine-weighted share.
+fn viewer(squared: f32) -> Vec3 {
+    Vec3::new((1.0 - squared).sqrt(), 0.0, squared.sqrt())
 }
 
 /// The middles of the parts of a square.
@@ -87,7 +93,7 @@ fn squares() -> impl Iterator<Item = Vec2> {
 mod tests {
     use super::*;
     use crate::path::bsdf::Bsdf;
-    use crate::sampler::{PixelSampler, Stream};
+    use crate::sampler::{PixelSampler, Stream, cosine_hemisphere};
     use crate::scene::Material;
     use glam::Vec4;
 

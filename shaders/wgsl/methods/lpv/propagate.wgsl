@@ -91,6 +91,10 @@ struct Sums {
     energy: vec3f,
 }
 
+fn together(a: Sums, b: Sums) -> Sums {
+    return Sums(a.flux + b.flux, a.energy + b.energy);
+}
+
 fn added(sums: Sums, energy: vec3f, direction: vec3f) -> Sums {
     let flux = mat3x3f(direction * energy.r, direction * energy.g, direction * energy.b);
     return Sums(sums.flux + flux, sums.energy + energy);
@@ -103,15 +107,21 @@ alias Seen = array<Sums, 3>;
 
 // Adds light of a kind to what the medium and surfaces show of it, and to the first kind.
 fn show(seen: ptr<function, Seen>, light: u32, energy: vec3f, direction: vec3f) {
-    let weighed = weights[light].rgb * energy;
+    show_sums(seen, light, added(Sums(), energy, direction));
+}
+
+fn show_sums(seen: ptr<function, Seen>, light: u32, sums: Sums) {
+    let weight = weights[light].rgb;
+    let flux = mat3x3f(weight.r * sums.flux[0], weight.g * sums.flux[1], weight.b * sums.flux[2]);
+    let weighed = Sums(flux, weight * sums.energy);
     if STEADY == 1u || light + 1u >= UNSCATTERED {
-        seen[0] = added(seen[0], weighed, direction);
+        seen[0] = together(seen[0], weighed);
     }
     if light == UNSCATTERED {
-        seen[1] = added(seen[1], weighed, direction);
+        seen[1] = together(seen[1], weighed);
     }
     if FIRST == 1u && light == 0u {
-        seen[2] = added(seen[2], weighed, direction);
+        seen[2] = together(seen[2], weighed);
     }
 }
 
@@ -138,12 +148,13 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     var seen: Seen;
     for (var light = 0u; light < KINDS; light++) {
         own_lobes[light] = lobes(light, cell);
+        var leaves = Sums();
         for (var c = 0u; c < 3u; c++) {
-            let leaves = moments(own_lobes[light][c]) * out[c];
-            var energy = vec3f(0.0);
-            energy[c] = leaves.w;
-            show(&seen, light, energy, leaves.xyz / max(leaves.w, 1e-37));
+            let own = moments(own_lobes[light][c]) * out[c];
+            leaves.flux[c] = own.xyz;
+            leaves.energy[c] = own.w;
         }
+        show_sums(&seen, light, leaves);
     }
     var own_again = vec3f(0.0);
     if SCATTERED == 1u {

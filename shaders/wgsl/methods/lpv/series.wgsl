@@ -19,8 +19,9 @@ fn weight(first: f32, second: f32, third: f32) -> f32 {
     if first <= 0.0 || second <= 0.0 {
         return 1.0;
     }
-    let ratio = min(third / second, MOST);
-    let unsteady = abs(ratio - second / first) / (1.0 - ratio);
+    let after = third / second;
+    let ratio = min(after, MOST);
+    let unsteady = abs(after - second / first) / (1.0 - ratio);
     return 1.0 + clamp(2.0 - 10.0 * unsteady, 0.0, 1.0) * ratio / (1.0 - ratio);
 }
 
