@@ -1,0 +1,70 @@
+//! A scene and a view of it, in deepshade and as a file for Bevy.
+
+use super::glb;
+use deepshade_dataset::views::sample_view;
+use deepshade_render::bvh::TracedScene;
+use deepshade_render::path::{self, Sampling, Shot};
+use deepshade_render::scene::{Camera, Scene, SceneSource};
+use deepshade_render::{gbuffer, metrics};
+use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use std::error::Error;
+use std::path::Path;
+
+/// What is compared with truth where a surface is seen.
+pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Valid];
+
+/// A scene as a glTF file has it, and a view of it.
+pub struct Frame {
+    /// The scene, ready for rays.
+    pub scene: TracedScene,
+    /// The camera.
+    pub camera: Camera,
+    /// Rows and columns.
+    pub size: [usize; 2],
+}
+
+impl Frame {
+    /// A scene by its name, such as `playground:1` or a file's, written as `file` in a folder unless it is
+    /// a file, and one of its views.
+    ///
+    /// # Errors
+    /// If there is no such scene, none of its sampled views shows anything, or the file cannot be written.
+    pub fn new(source: &SceneSource, file: &Path, size: [usize; 2]) -> Result<Self, Box<dyn Error>> {
+        if let SceneSource::Procedural(..) = source {
+            glb::write(&source.scene(0.0)?, file)?;
+        }
+        // Both read the same file.
+        let scene = TracedScene::new(Scene::load(file, 0.0)?)?;
+        let camera = sample_view(&scene, size, 1, 1, 0)?;
+        Ok(Self { scene, camera, size })
+    }
+
+    /// What the camera sees, by rays.
+    pub fn gbuffer(&self) -> GBuffer {
+        gbuffer::render(&self.scene, &self.camera, self.size[0], self.size[1], &ATTRIBUTES)
+    }
+
+    /// Path-traced openness.
+    pub fn truth(&self, radius: f32, samples: u32) -> Planes {
+        let shot = Shot::new(&self.scene, &self.camera, self.size, radius);
+        path::render(Effect::Ao, &shot, Sampling::one(samples, 1)).mean
+    }
+}
+
+/// How alike an image is to truth, with the background where no surface is seen: structural similarity and
+/// mean difference.
+pub fn scores(image: &Planes, truth: &Planes, seen: &[bool]) -> [f64; 2] {
+    let shown = image.data().iter().zip(seen).map(|(value, seen)| if *seen { *value } else { 1.0 });
+    let shown = Planes::from_data(1, image.height(), image.width(), shown.collect());
+    let pairs = shown.data().iter().zip(truth.data());
+    let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
+    [metrics::ssim(&shown, truth), sum / truth.data().len() as f64]
+}
+
+/// The largest difference of two images, and the share of their values that differ by more than `most`.
+pub fn differences(a: &Planes, b: &Planes, most: f32) -> [f64; 2] {
+    let off = || a.data().iter().zip(b.data()).map(|(a, b)| (a - b).abs());
+    // A difference that is no number counts as the largest.
+    let largest = off().fold(0.0f32, |largest, off| if off <= largest { largest } else { off });
+    [f64::from(largest), off().filter(|off| !(*off <= most)).count() as f64 / a.data().len() as f64]
+}
