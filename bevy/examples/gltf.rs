@@ -1,7 +1,8 @@
 //! A glTF scene in a window. Space goes from Bevy's occlusion to the network's, to none; W, A, S, D and the
 //! arrow keys move the camera.
 //!
-//! `cargo run --example gltf -- ../models hall.gltf`; without a file, a room.
+//! `cargo run --example gltf -- ../models hall.gltf -9 1.6 0 0 1.2 0`: deepshade's folder `models`, a file, where
+//! the camera stands and what it looks at. Without a file it is a room.
 
 #[allow(dead_code, reason = "the tests use the rest of it")]
 #[path = "../tests/support/mod.rs"]
@@ -44,7 +45,13 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
         Some(path) => (SceneSource::File(path.clone().into()), std::path::absolute(path)?),
         None => ("room:1".parse()?, folder.path().join("room.glb")),
     };
-    let Frame { camera, .. } = Frame::new(&source, &file, [720, 1280])?;
+    let numbers = words.map(|word| word.parse()).collect::<std::result::Result<Vec<f32>, _>>()?;
+    let view = match numbers[..] {
+        [] => [[1.5, 1.6, 1.3], [-0.5, 0.7, -0.3]],
+        [x, y, z, to_x, to_y, to_z] => [[x, y, z], [to_x, to_y, to_z]],
+        _ => return Err("six numbers are wanted: where the camera stands, and what it looks at".into()),
+    };
+    let Frame { camera, .. } = Frame::new(&source, &file, view, [720, 1280])?;
     let place = Transform {
         translation: Vec3::from_array(camera.position.to_array()),
         rotation: Quat::from_mat3(&Mat3::from_cols_array(&camera.rotation.to_cols_array())),
@@ -52,8 +59,9 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let assets = file.parent().unwrap_or(Path::new(".")).display().to_string();
-    App::new()
-        .add_plugins((
+    let mut app = App::new();
+    support::types::register(&mut app);
+    app.add_plugins((
             DefaultPlugins.set(AssetPlugin { file_path: assets, ..default() }),
             DeepshadePlugin { models },
         ))

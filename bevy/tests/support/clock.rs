@@ -10,8 +10,10 @@ use deepshade_bevy::LearnedShading;
 use deepshade_shaders::gpu;
 use std::error::Error;
 
-/// Runs before the clock counts, and of which the median is taken.
-const [WARM_UP, TIMED]: [usize; 2] = [1, 7];
+/// Runs before the clock counts.
+const WARM_UP: usize = 1;
+/// Runs of which the median is taken.
+const TIMED: usize = 7;
 
 /// Milliseconds of the passes of a frame with learned occlusion.
 ///

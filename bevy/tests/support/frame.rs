@@ -1,17 +1,20 @@
 //! A scene and a view of it, in deepshade and as a file for Bevy.
 
 use super::glb;
-use deepshade_dataset::views::sample_view;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::scene::{Camera, Scene, SceneSource};
 use deepshade_render::{gbuffer, metrics};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes};
+use glam::Vec3;
 use std::error::Error;
 use std::path::Path;
 
 /// What is compared with truth where a surface is seen.
 pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Valid];
+
+/// Where a camera stands and what it looks at, world space, metres.
+pub type View = [[f32; 3]; 2];
 
 /// A scene as a glTF file has it, and a view of it.
 pub struct Frame {
@@ -24,18 +27,19 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A scene by its name, such as `playground:1` or a file's, written as `file` in a folder unless it is
-    /// a file, and one of its views.
+    /// A scene by its name, such as `playground:1` or a file's, written as `file` unless it is one, seen as
+    /// `view` says.
     ///
     /// # Errors
-    /// If there is no such scene, none of its sampled views shows anything, or the file cannot be written.
-    pub fn new(source: &SceneSource, file: &Path, size: [usize; 2]) -> Result<Self, Box<dyn Error>> {
+    /// If there is no such scene, or the file cannot be written.
+    pub fn new(source: &SceneSource, file: &Path, view: View, size: [usize; 2]) -> Result<Self, Box<dyn Error>> {
         if let SceneSource::Procedural(..) = source {
             glb::write(&source.scene(0.0)?, file)?;
         }
         // Both read the same file.
         let scene = TracedScene::new(Scene::load(file, 0.0)?)?;
-        let camera = sample_view(&scene, size, 1, 1, 0)?;
+        let [eye, target] = view.map(Vec3::from_array);
+        let camera = Camera::look_at(eye, target);
         Ok(Self { scene, camera, size })
     }
 

@@ -8,7 +8,8 @@ use std::io;
 use std::path::Path;
 
 /// `UNSIGNED_INT` and `FLOAT` of glTF's accessors.
-const [U32, F32]: [u32; 2] = [5125, 5126];
+const U32: u32 = 5125;
+const F32: u32 = 5126;
 
 /// Writes a scene as a binary glTF file.
 ///

@@ -1,11 +1,11 @@
 //! A Bevy app without a window that draws a glTF scene into an image, frame by frame.
 
-use super::reading;
+use super::{reading, types};
 use bevy::app::{App, PluginGroup};
 use bevy::asset::{AssetPlugin, AssetServer, Assets, Handle, RenderAssetUsages};
 use bevy::camera::{Camera3d, PerspectiveProjection, Projection, RenderTarget};
 use bevy::color::Color;
-use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::image::Image;
 use bevy::light::AmbientLight;
 use bevy::log::LogPlugin;
@@ -67,6 +67,7 @@ impl Headless {
                 .disable::<PipelinedRenderingPlugin>(),
             DeepshadePlugin { models: models.to_owned() },
         ));
+        types::register(&mut app);
         app.finish();
         app.cleanup();
         let [height, width] = size;
@@ -237,6 +238,7 @@ fn seen_by(camera: &scene::Camera) -> impl Bundle {
         },
         Msaa::Off,
         Tonemapping::None,
+        DebandDither::Disabled,
         AmbientLight { color: Color::WHITE, brightness: 1000.0, affects_lightmapped_meshes: true },
     )
 }

@@ -7,3 +7,4 @@ pub mod headless;
 pub mod own;
 pub mod pictures;
 pub mod reading;
+pub mod types;
