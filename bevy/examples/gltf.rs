@@ -62,14 +62,14 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
     let mut app = App::new();
     support::types::register(&mut app);
     app.add_plugins((
-            DefaultPlugins.set(AssetPlugin { file_path: assets, ..default() }),
-            DeepshadePlugin { models },
-        ))
-        .insert_resource(Begin { file: name, place, fov: camera.vertical_fov })
-        .insert_resource(Shown::Learned)
-        .add_systems(Startup, begin)
-        .add_systems(Update, (choose, (show, titled).run_if(resource_changed::<Shown>), travel).chain())
-        .run();
+        DefaultPlugins.set(AssetPlugin { file_path: assets, ..default() }),
+        DeepshadePlugin { models },
+    ))
+    .insert_resource(Begin { file: name, place, fov: camera.vertical_fov })
+    .insert_resource(Shown::Learned)
+    .add_systems(Startup, begin)
+    .add_systems(Update, (choose, (show, titled).run_if(resource_changed::<Shown>), travel).chain())
+    .run();
     Ok(())
 }
 
@@ -114,7 +114,11 @@ fn titled(shown: Res<Shown>, mut window: Single<&mut Window>) {
     .to_owned();
 }
 
-fn travel(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut camera: Single<&mut Transform, With<Camera3d>>) {
+fn travel(
+    keys: Res<ButtonInput<KeyCode>>,
+    time: Res<Time>,
+    mut camera: Single<&mut Transform, With<Camera3d>>,
+) {
     let held = |key: KeyCode| f32::from(u8::from(keys.pressed(key)));
     let along = |minus, plus| (held(plus) - held(minus)) * time.delta_secs();
     let step = Vec3::new(along(KeyCode::KeyA, KeyCode::KeyD), 0.0, along(KeyCode::KeyW, KeyCode::KeyS));

@@ -3,8 +3,9 @@
 //!
 //! `cargo run --example measure -- --program target/release/deepshade --json figures.json --out pictures`
 //!
-//! `--program` is deepshade's program, which makes its own image of Bevy's g-buffer; `--scenes` are families
-//! and seeds or glTF files. Without `--json` the figures are printed alone, without `--out` no pictures are
+//! `--program` is deepshade's program, which makes its own image of Bevy's g-buffer. `--scene` is a family and
+//! a seed or a glTF file, with the place of the camera and what it looks at: `hall.gltf@-9,1.6,0,0,1.2,0`. It may
+//! be given several times. Without `--json` the figures are printed alone, without `--out` no pictures are
 //! written.
 
 #[allow(dead_code, reason = "the tests use the rest of it")]
@@ -21,14 +22,19 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::frame::{Frame, differences, scores};
+use support::frame::{Frame, View, differences, scores};
 use support::headless::Headless;
 use support::{clock, pictures};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
-/// Scenes of families that no network was trained on.
-const SCENES: [&str; 5] = ["playground:1", "workbench:1", "drapery:1", "cave:1", "bridge:1"];
+/// Scenes of families that no network was trained on, each of some metres, with a view.
+const SCENES: [(&str, View); 4] = [
+    ("playground:1", [[2.4, 1.5, 2.6], [-0.3, 0.6, 0.0]]),
+    ("drapery:1", [[1.3, 1.4, 1.9], [-0.2, 0.7, -0.9]]),
+    ("cave:1", [[0.2, 0.2, 0.2], [2.0, -0.4, 1.0]]),
+    ("bridge:1", [[2.5, 1.6, 3.0], [0.0, 0.2, 0.0]]),
+];
 /// Rows and columns that suit a software adapter.
 const SIZE: [usize; 2] = [192, 256];
 /// The radius that Bevy's occlusion has by default, half of XeGTAO's 0.5 times 1.457, which its passes are
@@ -40,12 +46,15 @@ const SAMPLES: u32 = 512;
 /// noise has before it comes again.
 const FRAMES: usize = 64;
 
+/// As many samples as its bitmask has bits for, where levels of quality have at most three a side.
+const MANY_SAMPLES: BevysQuality = BevysQuality::Custom { slice_count: 9, samples_per_slice_side: 16 };
+
 /// What is measured of each scene.
 type Figures = BTreeMap<&'static str, f64>;
 
 struct Arguments {
     program: PathBuf,
-    scenes: Vec<SceneSource>,
+    scenes: Vec<(SceneSource, View)>,
     json: Option<PathBuf>,
     out: Option<PathBuf>,
 }
@@ -54,8 +63,8 @@ fn main() -> Result<()> {
     let arguments = arguments(std::env::args().skip(1))?;
     let folder = tempfile::tempdir()?;
     let mut of_scenes: BTreeMap<String, Figures> = BTreeMap::new();
-    for source in &arguments.scenes {
-        let found = measured(source, folder.path(), &arguments)?;
+    for (source, view) in &arguments.scenes {
+        let found = measured(source, *view, folder.path(), &arguments)?;
         println!("{source}");
         found.iter().for_each(|(name, value)| println!("  {name} {value:.4}"));
         of_scenes.insert(source.to_string(), found);
@@ -71,13 +80,13 @@ fn main() -> Result<()> {
 }
 
 /// A scene's figures.
-fn measured(source: &SceneSource, folder: &Path, arguments: &Arguments) -> Result<Figures> {
+fn measured(source: &SceneSource, view: View, folder: &Path, arguments: &Arguments) -> Result<Figures> {
     let own = folder.join("scene.glb");
     let file = match source {
         SceneSource::File(path) => std::path::absolute(path)?,
         SceneSource::Procedural(..) => own,
     };
-    let frame = Frame::new(source, &file, SIZE)?;
+    let frame = Frame::new(source, &file, view, SIZE)?;
     let truth = frame.truth(RADIUS, SAMPLES);
     let (assets, name) = (file.parent().unwrap_or(folder), file.file_name().unwrap_or_default());
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
@@ -112,13 +121,19 @@ fn measured(source: &SceneSource, folder: &Path, arguments: &Arguments) -> Resul
     figures.insert("max_abs_bevy", max_abs);
     let seen = gbuffer.ok_or("no g-buffer")?.seen()?;
 
-    let best = ScreenSpaceAmbientOcclusion { quality_level: BevysQuality::Ultra, ..Default::default() };
-    bevy.bevys(best);
-    let made = bevy.openness()?.ok_or("no texture")?;
-    let [similarity, difference] = scores(&made, &truth, &seen);
-    figures.extend([("ssim_bevy_ssao", similarity), ("mean_abs_bevy_ssao", difference)]);
-    figures.insert("ms_bevy_ssao", clock::bevys(&mut bevy)?);
-    images.extend([("ssao", bevy.picture()?), ("ssao-openness", made)]);
+    let names = [
+        (MANY_SAMPLES, "ssim_bevy_ssao_custom", "mean_abs_bevy_ssao_custom", "ms_bevy_ssao_custom"),
+        (BevysQuality::Ultra, "ssim_bevy_ssao", "mean_abs_bevy_ssao", "ms_bevy_ssao"),
+    ];
+    for (quality_level, ssim, mean_abs, ms) in names {
+        bevy.bevys(ScreenSpaceAmbientOcclusion { quality_level, radius: RADIUS, ..Default::default() });
+        let made = bevy.openness()?.ok_or("no texture")?;
+        let [similarity, difference] = scores(&made, &truth, &seen);
+        figures.extend([(ssim, similarity), (mean_abs, difference), (ms, clock::bevys(&mut bevy)?)]);
+        if quality_level == BevysQuality::Ultra {
+            images.extend([("ssao", bevy.picture()?), ("ssao-openness", made)]);
+        }
+    }
     let mean = mean_of_frames(&mut bevy)?;
     let [similarity, difference] = scores(&mean, &truth, &seen);
     figures.extend([("ssim_bevy_ssao_64", similarity), ("mean_abs_bevy_ssao_64", difference)]);
@@ -166,22 +181,34 @@ fn summary<'a>(scenes: impl Iterator<Item = &'a Figures> + Clone) -> Figures {
     all
 }
 
+/// `SCENE@X,Y,Z,X,Y,Z`.
+fn scene(text: &str) -> Result<(SceneSource, View)> {
+    let form = || format!("{text}: SCENE@X,Y,Z,X,Y,Z is wanted, the camera's place and what it looks at");
+    let (name, numbers) = text.split_once('@').ok_or_else(form)?;
+    let numbers: Vec<f32> = numbers.split(',').map(str::parse).collect::<std::result::Result<_, _>>()?;
+    let [x, y, z, to_x, to_y, to_z] = numbers[..] else { return Err(form().into()) };
+    Ok((name.parse()?, [[x, y, z], [to_x, to_y, to_z]]))
+}
+
 fn arguments(words: impl Iterator<Item = String>) -> Result<Arguments> {
     let (mut program, mut scenes, mut json, mut out) = (None, Vec::new(), None, None);
-    let mut words = words.peekable();
+    let mut words = words;
     while let Some(option) = words.next() {
         let value = words.next().ok_or_else(|| format!("{option} wants a value"))?;
         match option.as_str() {
             "--program" => program = Some(PathBuf::from(value)),
-            "--scenes" => scenes = value.split(',').map(str::parse).collect::<std::result::Result<_, _>>()?,
+            "--scene" => scenes.push(scene(&value)?),
             "--json" => json = Some(PathBuf::from(value)),
             "--out" => out = Some(PathBuf::from(value)),
-            _ => return Err(format!("{option}: --program, --scenes, --json and --out are known").into()),
+            _ => return Err(format!("{option}: --program, --scene, --json and --out are known").into()),
         }
     }
     if scenes.is_empty() {
-        scenes = SCENES.iter().map(|name| name.parse()).collect::<std::result::Result<_, _>>()?;
+        for (name, view) in SCENES {
+            scenes.push((name.parse()?, view));
+        }
     }
-    let program = program.ok_or("--program is missing: deepshade's program, such as target/release/deepshade")?;
+    let program =
+        program.ok_or("--program is missing: deepshade's program, such as target/release/deepshade")?;
     Ok(Arguments { program, scenes, json, out })
 }

@@ -8,8 +8,7 @@ use bevy::prelude::ResMut;
 use bevy::render::diagnostic::RecordDiagnostics;
 use bevy::render::renderer::{RenderContext, ViewQuery};
 
-type Made<'a> =
-    (&'a mut LearnedShading, &'a ViewPrepassTextures, &'a ScreenSpaceAmbientOcclusionResources);
+type Made<'a> = (&'a mut LearnedShading, &'a ViewPrepassTextures, &'a ScreenSpaceAmbientOcclusionResources);
 
 /// Records a camera's passes between its prepass and its main pass.
 pub(crate) fn occlusion(

@@ -77,7 +77,19 @@ impl LearnedShading {
             mapped_at_creation: false,
         });
         let textures = None;
-        Ok(Self { quality, size, network, seen, textures, gbuffer, estimates, input, runner, image_pass, image })
+        Ok(Self {
+            quality,
+            size,
+            network,
+            seen,
+            textures,
+            gbuffer,
+            estimates,
+            input,
+            runner,
+            image_pass,
+            image,
+        })
     }
 
     /// Tells the passes of a frame: what its camera sees, how far occlusion reaches.

@@ -43,8 +43,7 @@ fn bevys_materials_read_the_networks_openness() {
     let file = folder.path().join("scene.glb");
     let source = "playground:1".parse().expect("a scene");
     let frame = Frame::new(&source, &file, VIEW, SIZE).expect("a frame");
-    let mut bevy =
-        Headless::new(&models(), folder.path(), "scene.glb", &frame.camera, SIZE).expect("an app");
+    let mut bevy = Headless::new(&models(), folder.path(), "scene.glb", &frame.camera, SIZE).expect("an app");
     let plain = bevy.picture().expect("a picture");
     assert!(bevy.openness().expect("read").is_none(), "nobody has asked for occlusion");
 

@@ -3,8 +3,8 @@
 use super::headless::Headless;
 use bevy::pbr::{SsaoBindGroups, SsaoPipelineId};
 use bevy::render::camera::ExtractedCamera;
-use bevy::render::render_resource::{CachedPipelineState, ComputePipeline, Pipeline, PipelineCache};
 use bevy::render::render_resource::PipelineDescriptor;
+use bevy::render::render_resource::{CachedPipelineState, ComputePipeline, Pipeline, PipelineCache};
 use bevy::render::view::ViewUniformOffset;
 use deepshade_bevy::LearnedShading;
 use deepshade_shaders::gpu;
@@ -62,7 +62,9 @@ pub fn bevys(bevy: &mut Headless) -> Result<f64, Box<dyn Error>> {
 /// Bevy's compute pipeline of a label.
 fn labelled<'a>(cache: &'a PipelineCache, label: &str) -> Result<&'a ComputePipeline, String> {
     let of_label = cache.pipelines().find(|cached| match &cached.descriptor {
-        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => descriptor.label.as_deref() == Some(label),
+        PipelineDescriptor::ComputePipelineDescriptor(descriptor) => {
+            descriptor.label.as_deref() == Some(label)
+        }
         _ => false,
     });
     match of_label.map(|cached| &cached.state) {

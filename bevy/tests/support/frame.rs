@@ -32,7 +32,12 @@ impl Frame {
     ///
     /// # Errors
     /// If there is no such scene, or the file cannot be written.
-    pub fn new(source: &SceneSource, file: &Path, view: View, size: [usize; 2]) -> Result<Self, Box<dyn Error>> {
+    pub fn new(
+        source: &SceneSource,
+        file: &Path,
+        view: View,
+        size: [usize; 2],
+    ) -> Result<Self, Box<dyn Error>> {
         if let SceneSource::Procedural(..) = source {
             glb::write(&source.scene(0.0)?, file)?;
         }

@@ -29,18 +29,22 @@ pub fn write(scene: &Scene, path: &Path) -> io::Result<()> {
     });
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    let chunk = |kind: &[u8; 4], bytes: &[u8]| {
-        [&(bytes.len() as u32).to_le_bytes()[..], &kind[..], bytes].concat()
-    };
+    let chunk =
+        |kind: &[u8; 4], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], &kind[..], bytes].concat();
     let chunks = [chunk(b"JSON", &text), chunk(b"BIN\0", &parts.bytes)].concat();
     let length = 12 + chunks.len() as u32;
     fs::write(path, [&b"glTF"[..], &2u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat())
 }
 
+/// How bright surfaces are whose texture is left out.
+const TEXTURED: f32 = 0.5;
+
 /// Seen from both sides, as all of deepshade's surfaces are.
 fn material(material: &Material) -> Value {
+    let brightness = if material.base_colour_texture.is_some() { TEXTURED } else { 1.0 };
+    let colour = material.base_colour.truncate() * brightness;
     json!({ "doubleSided": true, "pbrMetallicRoughness": {
-        "baseColorFactor": material.base_colour.to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0,
+        "baseColorFactor": colour.extend(1.0).to_array(), "metallicFactor": 0.0, "roughnessFactor": 1.0,
     } })
 }
 

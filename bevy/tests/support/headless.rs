@@ -47,7 +47,13 @@ pub struct Headless {
 impl Headless {
     /// An app that draws a file of a folder as a camera of deepshade's sees it, `size` rows and columns, lit by
     /// ambient light alone.
-    pub fn new(models: &Path, folder: &Path, file: &str, camera: &scene::Camera, size: [usize; 2]) -> Result<Self> {
+    pub fn new(
+        models: &Path,
+        folder: &Path,
+        file: &str,
+        camera: &scene::Camera,
+        size: [usize; 2],
+    ) -> Result<Self> {
         let mut app = App::new();
         let assets = AssetPlugin { file_path: folder.display().to_string(), ..Default::default() };
         let window = WindowPlugin {
@@ -78,7 +84,8 @@ impl Headless {
         let target = app.world_mut().resource_mut::<Assets<Image>>().add(image);
         let asset = app.world().resource::<AssetServer>().load(format!("{file}#Scene0"));
         app.world_mut().spawn(WorldAssetRoot(asset));
-        let camera = app.world_mut().spawn((seen_by(camera), RenderTarget::Image(target.clone().into()))).id();
+        let camera =
+            app.world_mut().spawn((seen_by(camera), RenderTarget::Image(target.clone().into()))).id();
         let mut headless = Self { app, camera, target, size };
         headless.wait()?;
         Ok(headless)
@@ -168,7 +175,9 @@ impl Headless {
         let world = self.app.sub_app_mut(RenderApp).world_mut();
         let views: Vec<_> = {
             let mut query = world.query::<&ScreenSpaceAmbientOcclusionResources>();
-            let views = query.iter(world).map(|made| made.screen_space_ambient_occlusion_texture.default_view.clone());
+            let views = query
+                .iter(world)
+                .map(|made| made.screen_space_ambient_occlusion_texture.default_view.clone());
             views.collect()
         };
         let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
@@ -211,8 +220,7 @@ impl Headless {
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let layout =
-            wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
+        let layout = wgpu::TexelCopyBufferLayout { bytes_per_row: Some(row), ..Default::default() };
         deepshade_shaders::gpu::submit(device, queue, "test.picture", |encoder| {
             let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
             encoder.copy_texture_to_buffer(image.texture.as_image_copy(), into, image.texture.size());

@@ -17,8 +17,7 @@ pub fn write(folder: &Path, scene: &str, images: &[(&str, Planes)]) -> Result<()
             (255.0 * value.clamp(0.0, 1.0)).round() as u8
         };
         let pixel = |x: u32, y: u32| image::Rgb([0, 1, 2].map(|channel| value(channel, y, x)));
-        let picture =
-            image::RgbImage::from_fn(planes.width() as u32, planes.height() as u32, pixel);
+        let picture = image::RgbImage::from_fn(planes.width() as u32, planes.height() as u32, pixel);
         picture.save(folder.join(format!("{scene}-{name}.png")))?;
     }
     Ok(())

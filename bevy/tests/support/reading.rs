@@ -1,8 +1,8 @@
 //! What lies on Bevy's device, in main memory.
 
 use bevy::render::renderer::{RenderDevice, RenderQueue};
-use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::Planes;
+use deepshade_shaders::gpu::{self, GpuError, Pass};
 use wgpu::{BindingResource, TextureView};
 
 /// Puts a texture's first component into a buffer: Bevy's occlusion cannot be copied from.

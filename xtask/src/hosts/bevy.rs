@@ -9,16 +9,19 @@ use std::process::Command;
 
 /// What the example measures and is told: mean scores of frames against path-traced truth, milliseconds, and
 /// the largest difference from the program's image of the same frame.
-const FIGURES: [&str; 11] = [
+const FIGURES: [&str; 14] = [
     "max_abs_bevy",
     "stray_bevy",
     "ssim_bevy_ssao",
     "ssim_bevy_ssao_64",
+    "ssim_bevy_ssao_custom",
     "ssim_bevy_learned",
     "ssim_bevy_learned_small",
     "mean_abs_bevy_ssao",
     "mean_abs_bevy_learned",
+    "mean_abs_bevy_learned_small",
     "ms_bevy_ssao",
+    "ms_bevy_ssao_custom",
     "ms_bevy_learned",
     "ms_bevy_learned_small",
 ];
