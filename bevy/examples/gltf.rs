@@ -1,8 +1,8 @@
 //! A glTF scene in a window. Space goes from Bevy's occlusion to the network's, to none; W, A, S, D and the
 //! arrow keys move the camera.
 //!
-//! `cargo run --example gltf -- ../models hall.gltf -9 1.6 0 0 1.2 0`: deepshade's folder `models`, a file, where
-//! the camera stands and what it looks at. Without a file it is a room.
+//! `cargo run --example gltf -- ../models hall.gltf -9 1.6 0 0 1.2 0`: deepshade's folder `models`, a file,
+//! where the camera stands and what it looks at. Without a file it is a room.
 
 #[allow(dead_code, reason = "the tests use the rest of it")]
 #[path = "../tests/support/mod.rs"]

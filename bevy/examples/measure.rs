@@ -3,10 +3,10 @@
 //!
 //! `cargo run --example measure -- --program target/release/deepshade --json figures.json --out pictures`
 //!
-//! `--program` is deepshade's program, which makes its own image of Bevy's g-buffer. `--scene` is a family and
-//! a seed or a glTF file, with the place of the camera and what it looks at: `hall.gltf@-9,1.6,0,0,1.2,0`. It may
-//! be given several times. Without `--json` the figures are printed alone, without `--out` no pictures are
-//! written.
+//! `--program` is deepshade's program, which makes its own image of Bevy's g-buffer. `--scene` is a family
+//! and a seed or a glTF file, with the camera's place and what it looks at: `hall.gltf@-9,1.6,0,0,1.2,0`. It
+//! may be given several times. Without `--json` the figures are printed alone, without `--out` no pictures
+//! are written.
 
 #[allow(dead_code, reason = "the tests use the rest of it")]
 #[path = "../tests/support/mod.rs"]

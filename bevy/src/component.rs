@@ -20,7 +20,7 @@ pub struct LearnedAmbientOcclusion {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Debug, PartialEq, Hash, Clone)]
 pub enum Quality {
-    /// `ao-small`: a third of the work.
+    /// `ao-small`: a quarter of the work.
     Low,
     /// `ao`.
     #[default]

@@ -1,9 +1,9 @@
 //! deepshade's networks in Bevy.
 //!
 //! [`DeepshadePlugin`] and a component on a camera, [`LearnedAmbientOcclusion`]: what the camera's prepass
-//! shows, depth and normals, goes through deepshade's passes in Bevy's own encoder, and the openness that they
-//! make into the texture that Bevy's `ScreenSpaceAmbientOcclusion` writes. So Bevy's materials use it, as they
-//! use that one.
+//! shows, depth and normals, goes through deepshade's passes in Bevy's own encoder, and the openness that
+//! they make into the texture that Bevy's `ScreenSpaceAmbientOcclusion` writes. So Bevy's materials use it,
+//! as they use that one.
 //!
 //! ```no_run
 //! use bevy::prelude::*;

@@ -1,5 +1,5 @@
-// Bevy's prepass as deepshade's passes read it: planes of positions and normals in camera space, and of what is
-// seen. Depth is reversed: 0 is infinitely far away, which is where nothing was drawn.
+// Bevy's prepass as deepshade's passes read it: planes of positions and normals in camera space, and of what
+// is seen. Depth is reversed: 0 is infinitely far away, which is where nothing was drawn.
 
 struct Seen {
     view_from_clip: mat4x4f,

@@ -132,8 +132,8 @@ impl LearnedShading {
         Ok(())
     }
 
-    /// Records all passes, from the prepass' textures to that of openness, on those of the last frame. Nothing
-    /// is made anew.
+    /// Records all passes, from the prepass' textures to that of openness, on those of the last frame.
+    /// Nothing is made anew.
     pub fn encode(&self, encoder: &mut CommandEncoder) {
         let Some((_, [read, write])) = &self.textures else { return };
         let groups = gpu::groups(self.size[0], self.size[1], TILE);

@@ -15,6 +15,9 @@ use support::headless::Headless;
 use support::own;
 
 const SIZE: [usize; 2] = [97, 131];
+/// A part of the image: its left upper corner, its rows and columns.
+const CORNER: [u32; 2] = [19, 30];
+const PART: [usize; 2] = [64, 104];
 const VIEW: View = [[2.4, 1.5, 2.6], [-0.3, 0.6, 0.0]];
 const RADIUS: f32 = 0.7;
 const WANTED: LearnedAmbientOcclusion = LearnedAmbientOcclusion { quality: Quality::Low, radius: RADIUS };
@@ -94,6 +97,19 @@ fn bevys_materials_read_the_networks_openness() {
     let near = bevy.openness().expect("read").expect("the texture is there");
     assert!(is_like(&near, &own::openness(&model, &gbuffer, 0.5 * RADIUS).expect("openness")));
     assert!(!is_like(&near, &made));
+
+    // Through a part of the image, which has another size.
+    bevy.with(WANTED);
+    bevy.look_through(CORNER, PART);
+    let part = bevy.openness().expect("read").expect("the texture is there");
+    assert_eq!([part.height(), part.width()], PART);
+    let seen_through = bevy.gbuffer().expect("read");
+    assert!(is_like(&part, &own::openness(&model, &seen_through, RADIUS).expect("openness")));
+    let by_rays = Frame { size: PART, ..frame }.gbuffer();
+    let by_rays = own::openness(&model, &by_rays, RADIUS).expect("openness");
+    let [similarity, _] = scores(&part, &by_rays, &seen_through.seen().expect("valid"));
+    assert!(similarity > 0.97, "through a part: {similarity}");
+    bevy.look_through([0, 0], SIZE);
 
     // Bevy's own takes over where ours goes, and the other way round; with both, ours stays.
     bevy.bevys(ScreenSpaceAmbientOcclusion::default());

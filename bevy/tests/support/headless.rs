@@ -3,13 +3,13 @@
 use super::{reading, types};
 use bevy::app::{App, PluginGroup};
 use bevy::asset::{AssetPlugin, AssetServer, Assets, Handle, RenderAssetUsages};
-use bevy::camera::{Camera3d, PerspectiveProjection, Projection, RenderTarget};
+use bevy::camera::{Camera3d, PerspectiveProjection, Projection, RenderTarget, Viewport};
 use bevy::color::Color;
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::image::Image;
 use bevy::light::AmbientLight;
 use bevy::log::LogPlugin;
-use bevy::math::{Mat3, Quat, Vec3};
+use bevy::math::{Mat3, Quat, UVec2, Vec3};
 use bevy::pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionResources};
 use bevy::prelude::{Bundle, Camera, ClearColorConfig, DefaultPlugins, Entity, Mesh3d, Transform};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
@@ -45,8 +45,8 @@ pub struct Headless {
 }
 
 impl Headless {
-    /// An app that draws a file of a folder as a camera of deepshade's sees it, `size` rows and columns, lit by
-    /// ambient light alone.
+    /// An app that draws a file of a folder as a camera of deepshade's sees it, `size` rows and columns, lit
+    /// by ambient light alone.
     pub fn new(
         models: &Path,
         folder: &Path,
@@ -62,13 +62,12 @@ impl Headless {
             ..Default::default()
         };
         let render = RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() };
-        let log = LogPlugin { filter: "warn,wgpu=error".to_owned(), ..Default::default() };
         app.add_plugins((
             DefaultPlugins
                 .set(assets)
                 .set(window)
                 .set(render)
-                .set(log)
+                .disable::<LogPlugin>()
                 .disable::<WinitPlugin>()
                 .disable::<PipelinedRenderingPlugin>(),
             DeepshadePlugin { models: models.to_owned() },
@@ -137,6 +136,17 @@ impl Headless {
         self.draw(SETTLED);
     }
 
+    /// Has the camera draw into a part of the image, its left upper corner and its rows and columns.
+    pub fn look_through(&mut self, origin: [u32; 2], [height, width]: [usize; 2]) {
+        let mut camera = self.app.world_mut().entity_mut(self.camera);
+        if let Some(mut camera) = camera.get_mut::<Camera>() {
+            let physical_size = UVec2::new(width as u32, height as u32);
+            let physical_position = UVec2::from_array(origin);
+            camera.viewport = Some(Viewport { physical_position, physical_size, ..Default::default() });
+        }
+        self.draw(SETTLED);
+    }
+
     /// The camera's projection.
     pub fn projection(&self) -> Option<Projection> {
         self.app.world().get::<Projection>(self.camera).cloned()
@@ -186,10 +196,10 @@ impl Headless {
 
     /// What the camera sees, as Bevy's prepass tells it.
     pub fn gbuffer(&mut self) -> Result<GBuffer> {
-        let [height, width] = self.size;
         let world = self.app.sub_app_mut(RenderApp).world_mut();
         let mut query = world.query::<&LearnedShading>();
         let shading = query.iter(world).next().ok_or("no learned occlusion")?;
+        let [height, width] = shading.size();
         let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
         let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
         let mut values = Vec::new();

@@ -1,5 +1,5 @@
-//! The types that a glTF scene brings into a world. Apps with Bevy's default features have all registered; here
-//! they are not, so that less of Bevy is built.
+//! The types that a glTF scene brings into a world. Apps with Bevy's default features have all registered;
+//! here they are not, so that less of Bevy is built.
 
 use bevy::app::App;
 use bevy::camera::Camera3d;
