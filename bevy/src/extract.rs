@@ -37,7 +37,7 @@ pub(crate) fn extract(
     let mut asking: Vec<Entity> = Vec::new();
     for (view, camera, wanted, msaa) in &cameras {
         asking.push(view);
-        let checked = wanted.check().and_then(|()| match *msaa {
+        let checked = wanted.check().and(match *msaa {
             Msaa::Off => Ok(()),
             other => Err(LearnedError::Msaa(other)),
         });

@@ -70,10 +70,15 @@ pub fn scores(image: &Planes, truth: &Planes, seen: &[bool]) -> [f64; 2] {
     [metrics::ssim(&shown, truth), sum / truth.data().len() as f64]
 }
 
-/// The largest difference of two images, and the share of their values that differ by more than `most`.
+/// The largest difference of two images, infinite where a value is no number, and the share of their values
+/// that differ by more than `most`.
 pub fn differences(a: &Planes, b: &Planes, most: f32) -> [f64; 2] {
-    let off = || a.data().iter().zip(b.data()).map(|(a, b)| (a - b).abs());
-    // A difference that is no number counts as the largest.
-    let largest = off().fold(0.0f32, |largest, off| if off <= largest { largest } else { off });
-    [f64::from(largest), off().filter(|off| !(*off <= most)).count() as f64 / a.data().len() as f64]
+    let off = |(a, b): (&f32, &f32)| {
+        let off = (a - b).abs();
+        if off.is_nan() { f32::INFINITY } else { off }
+    };
+    let off: Vec<f32> = a.data().iter().zip(b.data()).map(off).collect();
+    let largest = off.iter().copied().fold(0.0, f32::max);
+    let stray = off.iter().filter(|off| **off > most).count();
+    [f64::from(largest), stray as f64 / off.len() as f64]
 }

@@ -105,7 +105,8 @@ impl Headless {
                 handles.iter().all(|mesh| server.is_loaded_with_dependencies(mesh))
             };
             if is_loaded {
-                return Ok(self.draw(SETTLED));
+                self.draw(SETTLED);
+                return Ok(());
             }
             if begin.elapsed() > PATIENCE {
                 return Err("the scene is not loaded".into());
