@@ -132,7 +132,8 @@ fn validate(root: &Root) -> Result<(), String> {
         let zeros =
             path.starts_with("accessors[") && path.ends_with("].bufferView") && error == Error::Missing;
         let unplaced = path.ends_with("attributes[\"POSITION\"]") && error == Error::Missing;
-        let imageless = path.starts_with("textures[") && path.ends_with("].source") && error == Error::Missing;
+        let imageless =
+            path.starts_with("textures[") && path.ends_with("].source") && error == Error::Missing;
         let harmless = zeros
             || unplaced
             || imageless
