@@ -13,7 +13,6 @@ use deepshade_render::screen::{GpuGBuffer, View};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, BoundPass, GpuError};
 use estimate::EstimatePasses;
-use glam::Vec3;
 use std::sync::Arc;
 use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
 
@@ -165,7 +164,8 @@ impl LearnedShading {
 /// The view of a frame as methods see it, of which they want to know the angle of view alone.
 fn view([height, width]: [usize; 2], focal_length: f32, radius: f32) -> View {
     let vertical_fov = 2.0 * (0.5 * height as f32 / focal_length).atan();
-    let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+    let ahead = [0.0, 0.0, -1.0].into();
+    let camera = Camera { vertical_fov, ..Camera::look_at(Default::default(), ahead) };
     View { height, width, camera, radius, seed: SEED }
 }
 
