@@ -13,7 +13,7 @@ pub struct Args {
 }
 
 /// What each workspace is, by its manifest.
-const WORKSPACES: [&str; 2] = ["Cargo.toml", "fuzz/Cargo.toml"];
+const WORKSPACES: [&str; 3] = ["Cargo.toml", "fuzz/Cargo.toml", "bevy/Cargo.toml"];
 const CONFIG: [&str; 3] = ["deny", "--config", "deny.toml"];
 
 /// Runs cargo-deny. The advisories are in a repository that cannot be fetched everywhere: where it cannot,

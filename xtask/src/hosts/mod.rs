@@ -1,6 +1,7 @@
 //! `cargo xtask hosts`: the tests of programs that deepshade's data and networks are used from, each in the
 //! real thing.
 
+mod bevy;
 #[cfg(feature = "browser")]
 mod javascript;
 mod torch;
@@ -18,6 +19,8 @@ enum Host {
     Browser,
     /// The package in `python/`, with PyTorch.
     Torch,
+    /// The crate in `bevy/`, in Bevy.
+    Bevy,
 }
 
 /// What is tested.
@@ -49,6 +52,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if is_wanted(Host::Torch) {
         found.extend(torch::test(&program)?);
+    }
+    if is_wanted(Host::Bevy) {
+        found.extend(bevy::test(&program)?);
     }
     for (name, value) in &found {
         println!("{name} {value:.3e}");

@@ -138,7 +138,7 @@ impl VolumeSource<'_> {
             None => field,
         };
         let within = |iteration: &usize| (*iteration as f32) * volume.grid.cell < reach;
-        (0..self.parameters.iterations).filter(within).for_each(|_| field.step(volume));
+        field.iterate(volume, (0..self.parameters.iterations).filter(within).count());
         let (grid, lookup) = (volume.grid, volume.scheme.lookup);
         LitVolume { grid, lookup, shown: field.shown, is_nested: outside.is_some(), finer: None }
     }

@@ -127,13 +127,16 @@ fn validate(root: &Root) -> Result<(), String> {
     root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, error| {
         let path = path().0;
         // Extensions were checked above, nothing here reads the declared bounds of positions, an accessor
-        // without a buffer view holds zeros (3.6.2.1), which the validator does not know, and primitives
-        // without positions are left out (3.7.2.1).
+        // without a buffer view holds zeros (3.6.2.1), which the validator does not know, primitives without
+        // positions are left out (3.7.2.1), and so are textures without a source (3.8.2).
         let zeros =
             path.starts_with("accessors[") && path.ends_with("].bufferView") && error == Error::Missing;
         let unplaced = path.ends_with("attributes[\"POSITION\"]") && error == Error::Missing;
+        let imageless =
+            path.starts_with("textures[") && path.ends_with("].source") && error == Error::Missing;
         let harmless = zeros
             || unplaced
+            || imageless
             || error == Error::Unsupported
             || path.ends_with(".min")
             || path.ends_with(".max");

@@ -48,12 +48,14 @@ impl TextureList {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
         };
-        let images = &file.document.as_json().images;
-        let Some(image) = texture.source().filter(|image| is_read(&images[image.index()])) else {
+        // Of a texture without a source the JSON names an image beyond all.
+        let json = file.document.as_json();
+        let image = json.textures[texture.index()].source.value();
+        if !json.images.get(image).is_some_and(is_read) {
             self.without_image.insert(texture.index());
             return None;
-        };
-        let wanted = TextureUse { image: image.index(), encoding, wrap, filter };
+        }
+        let wanted = TextureUse { image, encoding, wrap, filter };
         let known = self.wanted.iter().position(|known| *known == wanted);
         let index = known.unwrap_or_else(|| {
             self.wanted.push(wanted);
