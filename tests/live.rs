@@ -214,7 +214,7 @@ fn what_cannot_be_animated_is_refused_by_name() {
         ("--effect ao --method learned --quality low", "--quality means nothing"),
         ("--effect ao --model models/ao", "--model means nothing"),
         ("--shutter -1", "--shutter -1"),
-        ("--temporal", "--temporal means nothing to direct light"),
+        ("--method light --temporal", "--temporal means nothing to direct light"),
         ("--effect ao --method hbao --shutter 1", "--shutter means nothing to the effect ao"),
     ] {
         case.assert_refused(&format!("{line} {more}"), named);

@@ -160,7 +160,7 @@ mod tests {
                 .expect("none")
                 .to_string()
         };
-        assert!(refused(Effect::Path, "all").contains("no method yet but truth"));
+        assert!(refused(Effect::Real, "all").contains("no method yet but truth"));
         assert!(refused(Effect::Ao, "truth").contains("scored against"));
     }
 }

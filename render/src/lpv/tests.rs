@@ -109,8 +109,9 @@ fn collisions_are_as_far_away_as_those_of_exponential_flights() {
         let ratio = moment_ratio(Scheme::OURS, path, flights(albedo), half);
         assert!(ratio > low && ratio < high, "path {path}, albedo {albedo}: {ratio}");
     }
-    // Where each collision costs the length of a cell, dense media spread light too far.
-    assert!(moment_ratio(LINEAR, 1.5, flights(0.9), 16) > 1.1);
+    // Where all collisions are in the cell that light leaves, they are not.
+    let linear = moment_ratio(LINEAR, 1.5, flights(0.9), 16);
+    assert!((linear - 1.0).abs() > 0.2, "a control: {linear}");
 }
 
 #[test]

@@ -221,8 +221,7 @@ fn a_finer_grid_knows_light_beside_its_border() {
 }
 
 /// A room with a lamp in fog with a preferred direction of scattering: what is scattered nearly ahead is
-/// scattered all the same. What surfaces throw into the fog is steady light, which does not gather in the
-/// middle as pulses do.
+/// scattered all the same.
 #[test]
 fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() {
     let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };
@@ -231,7 +230,7 @@ fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() 
         let indirect = over_truth(&InMedium::indirect(parameters), Effect::FogIndirect, scene.clone(), 1024);
         [indirect, over_truth(&InMedium::multiple(parameters), Effect::FogMultiple, scene, 1024)]
     });
-    assert!(ratios.iter().all(|[indirect, _]| (1.0..1.4).contains(indirect)), "{ratios:?}");
+    assert!(ratios.iter().all(|[indirect, _]| (0.9..1.1).contains(indirect)), "{ratios:?}");
     assert!(ratios.iter().all(|[_, multiple]| (0.7..1.3).contains(multiple)), "{ratios:?}");
     let [less, even, more] = ratios.map(|[indirect, _]| indirect);
     assert!((less / even - 1.0).abs() < 0.15 && (more / even - 1.0).abs() < 0.15, "{ratios:?}");
