@@ -5,10 +5,9 @@
 //! scattered.
 //!
 //! Light goes on as one pulse, whose iterations are summed up, or is [steady](Kinds::is_steady): what sends
-//! it goes on sending it, and it is kept apart by [`sides`](super::sides). In two bands both are handed on alike. Other lobes depend on all light in a cell:
-//! where pulses of all walls of a room cross in its middle they become one without a direction, and stay;
-//! steady light is even there, but much light drags along the little that comes against it, so that surfaces
-//! beside bright ones get too little.
+//! it goes on sending it, and it is kept apart by [`sides`](super::sides). Lobes depend on all light in a
+//! cell: where pulses of all walls of a room cross in its middle they become one without a direction, and
+//! stay; steady light is even there.
 
 use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};

@@ -12,6 +12,9 @@ pub const LOOKED_AT: usize = 3;
 /// The largest share that is believed: of light that is lost more slowly too little is shown.
 const MOST: f32 = 0.995;
 
+/// Light grows where its ratio is above 1 by more than this, which rounding may make of light that stays.
+const GROWS: f32 = 1e-3;
+
 /// By how much to multiply what the last iteration shows of each kind and colour, by the energies after the
 /// three iterations before it.
 pub fn weights(kinds: Kinds, after: &[Energies; LOOKED_AT]) -> Energies {
@@ -28,10 +31,13 @@ pub fn weights(kinds: Kinds, after: &[Energies; LOOKED_AT]) -> Energies {
 /// their ratios differ by more than a fifth of what is lost, nothing is known and it is 1; up to a tenth all
 /// of the series counts.
 fn weight_of([first, second, third]: [f32; LOOKED_AT]) -> f32 {
-    if first <= 0.0 || second <= 0.0 {
+    if first <= 0.0 || second <= 0.0 || third < 0.0 {
         return 1.0;
     }
     let (before, after) = (second / first, third / second);
+    if after > 1.0 + GROWS {
+        return 1.0;
+    }
     let ratio = after.min(MOST);
     let unsteady = (after - before).abs() / (1.0 - ratio);
     let known = (2.0 - 10.0 * unsteady).clamp(0.0, 1.0);
@@ -53,7 +59,7 @@ mod tests {
     #[test]
     fn nothing_is_added_where_the_ratio_is_not_known() {
         // Dark; light that is only now reaching the walls; light that grows; and none that is lost.
-        for energies in [[0.0; 3], [1.0, 0.99, 0.9], [0.5, 1.0, 1.5]] {
+        for energies in [[0.0; 3], [1.0, 0.99, 0.9], [0.5, 1.0, 1.5], [1.0, 1.5, 2.25], [1.0, 0.5, -0.25]] {
             assert_eq!(weight_of(energies), 1.0, "{energies:?}");
         }
         assert!((weight_of([1.0; 3]) - 200.0).abs() < 1.0, "it is bounded");

@@ -99,7 +99,7 @@ fn walls(light: Vec4) -> [Wall; WALLS] {
         normal: Vec3::AXES[axis] * flux[axis].signum(),
         energy: (1.0 - aslant) * energy * along[axis] / sum,
     };
-    [Wall { normal: flux.normalize(), energy: aslant * energy }, across(0), across(1), across(2)]
+    [Wall { normal: (flux / sum).normalize(), energy: aslant * energy }, across(0), across(1), across(2)]
 }
 
 /// What a wall sends to a neighbour, up to a factor.

@@ -419,7 +419,7 @@ mod tests {
     fn one_of_several_ways_is_chosen_by_its_name() {
         let dials = dials(&lpv::LpvParameters::of(Quality::Low));
         let factors = dials.iter().find(|dial| dial.name == "scheme.factors").expect("a choice");
-        let names = ["placed", "exponential", "linear"].map(str::to_owned);
+        let names = ["placed", "linear"].map(str::to_owned);
         assert_eq!((&factors.values, factors.usual), (&Values::Named(names.to_vec()), 0.0));
         assert!(factors.text.starts_with("How collisions with the medium"), "{}", factors.text);
         let papers = r#"{ "scheme": { "factors": "linear", "lobes": "two-bands", "lookup": "within" } }"#;
@@ -431,7 +431,7 @@ mod tests {
         let refused = |changes: &str| {
             changed(changes).parameters(lpv::LpvParameters::of).expect_err(changes).to_string()
         };
-        assert!(refused(r#"{ "scheme.factors": "cubic" }"#).ends_with("one of placed, exponential, linear"));
+        assert!(refused(r#"{ "scheme.factors": "cubic" }"#).ends_with("one of placed, linear"));
         assert!(refused(r#"{ "scheme.factors": 1 }"#).contains("1 is not one of"));
     }
 }

@@ -16,9 +16,9 @@
 //! the medium in front of it.
 //!
 //! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
-//! shows lamps and nothing else. Without a medium light that was reflected more than twice is missing, and so
-//! is what surfaces reflect of others that emit. Light between surfaces is dimmed up to the first of them
-//! only. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
+//! shows lamps and nothing else. Light that was reflected more than twice is missing unless the medium
+//! scatters it, and so is what surfaces reflect of others that emit. Light between surfaces is dimmed up to the
+//! first of them only. The sky lights surfaces as if there were no medium, and does not light the medium. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
 
 mod passes;
 mod reference;

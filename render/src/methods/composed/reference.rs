@@ -14,11 +14,9 @@ use glam::{Vec2, Vec3};
 /// If the g-buffer lacks an attribute.
 pub fn image(parts: &[Part], inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
     inputs.image_of_scene(|scene| {
-        let [between, surfaces]: [Vec<&Part>; 2] = {
-            let has = parts.iter().filter(|part| (part.has)(scene.scene()));
-            let (between, surfaces) = has.partition(|part| part.shown == Shown::Between);
-            [between, surfaces]
-        };
+        let has = parts.iter().filter(|part| (part.has)(scene.scene()));
+        let (between, surfaces): (Vec<&Part>, Vec<&Part>) =
+            has.partition(|part| part.shown == Shown::Between);
         let mut image = begun(inputs, view)?;
         let diffuse = inputs.gbuffer.select(&[Attribute::Diffuse])?;
         for part in surfaces {

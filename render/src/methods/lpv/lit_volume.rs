@@ -109,8 +109,13 @@ impl VolumeSource<'_> {
             add(&mut scattered, &injection::scattered(&grid, medium, &emitted.shown.by_medium));
             emission = Some(emitted);
         }
-        let field = Field::new(&volume, kinds, &reflected, &scattered);
         let outside = outside.map(|outside| &outside.light);
+        if outside.is_some() {
+            // What sets out from the border is the coarser grid's.
+            let border = (0..grid.cells()).filter(|cell| grid.depth(grid.at(*cell)) == 0);
+            border.for_each(|cell| reflected[cell] = Light::default());
+        }
+        let field = Field::new(&volume, kinds, &reflected, &scattered);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
     }
 

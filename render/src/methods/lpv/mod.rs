@@ -39,8 +39,12 @@
 //! with four and 0.17 with eight.
 //!
 //! [`Scheme::PAPER`] is equation (3) as Billeter et al. have it, with linear extinction, two bands and
-//! surfaces lit by the cell that they are in, to be compared with. Three bands are there, too
-//! ([`crate::lpv::lobe::Lobes`]).
+//! surfaces lit by the cell that they are in, to be compared with.
+//!
+//! Surfaces in fog send all that they reflect, their hemispherical albedo, as matte ones do. Light of
+//! `fog-indirect` is kept apart by six sides, which takes room: 128 cells along all edges are more than a
+//! binding of 128 MiB holds, 76 are not. A finer grid gets what the coarser one shows at its border as light of
+//! one side.
 
 pub mod in_medium;
 mod lit_volume;

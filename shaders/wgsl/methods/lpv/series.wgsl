@@ -14,12 +14,13 @@
 
 const PARTS = 64u;
 const MOST = 0.995;
+const GROWS = 1e-3;
 
 fn weight(first: f32, second: f32, third: f32) -> f32 {
-    if first <= 0.0 || second <= 0.0 {
+    let after = third / max(second, 1e-37);
+    if first <= 0.0 || second <= 0.0 || third < 0.0 || after > 1.0 + GROWS {
         return 1.0;
     }
-    let after = third / second;
     let ratio = min(after, MOST);
     let unsteady = abs(after - second / first) / (1.0 - ratio);
     return 1.0 + clamp(2.0 - 10.0 * unsteady, 0.0, 1.0) * ratio / (1.0 - ratio);

@@ -10,6 +10,7 @@
 #import shared/lpv_medium
 #import uniforms/light_grid
 #import uniforms/medium_record
+#constant NESTED = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
@@ -47,7 +48,7 @@ fn wall_of(flux: vec3f, energy: f32, number: u32) -> Wall {
     }
     let aslant = clamp((sum / (MATTE * max(energy, 1e-37)) - 1.02) / 0.2, 0.0, 1.0);
     if number == 0u {
-        return Wall(normalize(flux), aslant * energy);
+        return Wall(normalize(flux / sum), aslant * energy);
     }
     var normal = vec3f(0.0);
     normal[number - 1u] = sign(flux[number - 1u]);
@@ -113,7 +114,8 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             // Light of the cells beside it goes aside into it, and its own to its middle.
             let aside = neighbour(around);
             let there = at - aside;
-            if !is_cell(there) {
+            // What sets out from the border of a finer grid is the coarser one's.
+            if !is_cell(there) || NESTED == 1u && is_border(there) {
                 continue;
             }
             let cell = cell_index(there);
