@@ -3,8 +3,8 @@
 //!
 //! The coarsest grid holds all of the scene and is done first, as if it were alone. What it shows is the sum
 //! of all iterations, so what has gone through each of its cells is known, and a finer grid begins with all
-//! of that at once (steady light: in each iteration) in the cells along its border, beside the light of its own
-//! surfaces and medium. From then
+//! of that at once (steady light: in each iteration) in the cells along its border, beside the light of its
+//! own surfaces and medium. From then
 //! on the border takes what arrives. Nothing has to be handed back: light that leaves the finer grid is in
 //! the coarser one, as is what comes back of it.
 

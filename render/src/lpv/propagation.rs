@@ -359,7 +359,8 @@ impl Field {
         (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
     }
 
-    /// What arrives in a cell of one colour, where cells send so much out again; of each kind so much is shown.
+    /// What arrives in a cell of one colour, where cells send so much out again; of each kind so much is
+    /// shown.
     fn arriving(
         &self,
         volume: &Volume,

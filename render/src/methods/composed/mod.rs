@@ -17,8 +17,9 @@
 //!
 //! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
 //! shows lamps and nothing else. Light that was reflected more than twice is missing unless the medium
-//! scatters it, and so is what surfaces reflect of others that emit. Light between surfaces is dimmed up to the
-//! first of them only. The sky lights surfaces as if there were no medium, and does not light the medium. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
+//! scatters it, and so is what surfaces reflect of others that emit. Light between surfaces is dimmed up to
+//! the first of them only. The sky lights surfaces as if there were no medium, and does not light the
+//! medium. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
 
 mod passes;
 mod reference;
@@ -123,8 +124,8 @@ enum Shown {
 /// Farther than any scene is large, metres: light has no radius.
 const FAR: f32 = 1e5;
 
-/// Surfels of an effect that reaches as far as the scene does. They are as large, and as sharply kept apart, as
-/// those of the radius that was asked for.
+/// Surfels of an effect that reaches as far as the scene does. They are as large, and as sharply kept apart,
+/// as those of the radius that was asked for.
 #[derive(Clone, Copy, Debug)]
 struct FromFar {
     parameters: SurfelParameters,

@@ -43,8 +43,8 @@
 //!
 //! Surfaces in fog send all that they reflect, their hemispherical albedo, as matte ones do. Light of
 //! `fog-indirect` is kept apart by six sides, which takes room: 128 cells along all edges are more than a
-//! binding of 128 MiB holds, 76 are not. A finer grid gets what the coarser one shows at its border as light of
-//! one side.
+//! binding of 128 MiB holds, 76 are not. A finer grid gets what the coarser one shows at its border as light
+//! of one side.
 
 pub mod in_medium;
 mod lit_volume;
