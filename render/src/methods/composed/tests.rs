@@ -29,12 +29,13 @@ fn seen((scene, view, _): ViewedScene, changed: impl FnOnce(&mut Scene)) -> View
     (scene, view, gbuffer)
 }
 
+fn under_a_sky(scene: &mut Scene) {
+    scene.environment = Some(Environment::uniform(Vec3::new(0.3, 0.4, 0.6)).into());
+}
+
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let method = ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), few());
-    let under_a_sky = |scene: &mut Scene| {
-        scene.environment = Some(Environment::uniform(Vec3::new(0.3, 0.4, 0.6)).into());
-    };
     let frames =
         [seen(corner(), under_a_sky), seen(foggy().remove(0), |_| ()), seen(foggy().remove(1), |_| ())];
     for frame in frames {
@@ -52,12 +53,17 @@ fn plain(scene: &TracedScene, view: &View, gbuffer: &GBuffer) -> Planes {
 
 #[test]
 fn all_parts_together_are_about_as_bright_as_truth() {
-    for frame in [seen(corner(), |_| ()), seen(foggy().remove(0), |_| ())] {
-        let (scene, view, gbuffer) = &frame;
-        let shot = Shot::new(scene, &view.camera, [view.height, view.width], view.radius);
+    // Of white surfaces in a corner light of the sky that they reflect twice is missing, an eighth.
+    let frames = [
+        (seen(corner(), |_| ()), 0.9),
+        (seen(corner(), under_a_sky), 0.85),
+        (seen(foggy().remove(0), |_| ()), 0.9),
+    ];
+    for ((scene, view, gbuffer), least) in frames {
+        let shot = Shot::new(&scene, &view.camera, [view.height, view.width], view.radius);
         let truth = path::render(Effect::Path, &shot, Sampling::one(64, 1)).mean.mean();
-        let ratio = plain(scene, view, gbuffer).mean() / truth;
-        assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+        let ratio = plain(&scene, &view, &gbuffer).mean() / truth;
+        assert!((least..1.1).contains(&ratio), "{ratio}");
     }
 }
 
