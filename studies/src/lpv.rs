@@ -66,7 +66,8 @@ use subject::LpvFrame;
     bands, axis_over_diagonal_2_bands the flux along an axis over that across a corner in them. flicker_WHAT \
     is how far images are from the mean of those before and after as something moves, over their mean; \
     room_EFFECT_ALBEDO_QUALITY the mean of light in \
-    the fog of a closed room over truth's; leak_LOOKUP the light seen behind a wall thinner than a cell over that before it.")]
+    the fog of a closed room over truth's; leak_LOOKUP the light seen behind a wall thinner than \
+    a cell over that before it.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed. Several times for images of
     /// several; stages are timed on the first.

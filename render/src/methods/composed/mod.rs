@@ -13,7 +13,7 @@
 //!
 //! A part that a scene has nothing of takes no time: of the sky without an environment, of the medium where
 //! there is none, of phosphorescence where nothing glows. What comes from surfaces and the sky is dimmed by
-//! the medium in front of it.
+//! the medium in front of it. Surfels send all that a surface reflects, not its diffuse colour alone.
 //!
 //! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
 //! shows lamps and nothing else. Light that was reflected more than twice is missing unless the medium
