@@ -95,8 +95,8 @@ pub struct Args {
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
-    /// Folder or address of the network of `learned`; by default models/EFFECT.
-    #[arg(long)]
+    /// Folder, address or name of the network of `learned`; by default models/EFFECT.
+    #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Rows of the images; 512 by default.
     #[arg(long, value_parser = RangedU64ValueParser::<usize>::new().range(16..=8192))]

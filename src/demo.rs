@@ -36,8 +36,8 @@ pub struct Args {
     /// Folder of everything that the demo makes.
     #[arg(long, default_value = "target/demo")]
     out: PathBuf,
-    /// Folder or address of the network.
-    #[arg(long, default_value = "models/ao")]
+    /// Folder, address or name of the network.
+    #[arg(long, default_value = "models/ao", value_parser = crate::learned::place)]
     model: Location,
     #[cfg(feature = "train")]
     /// The recipe that the short training's data are made from.

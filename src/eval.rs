@@ -70,8 +70,8 @@ pub struct Args {
     /// `deepshade methods` lists what can be. Several times for several ways, each of which is evaluated.
     #[arg(long, value_parser = changes)]
     set: Vec<Changes>,
-    /// Folder or address of the network; by default models/EFFECT, and models/ao without --effect.
-    #[arg(long)]
+    /// Folder, address or name of the network; by default models/EFFECT, and models/ao without --effect.
+    #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Folder or address of the test set; by default all in the model's folder, `testset` and `testset-NAME`,
     /// each by itself and, but for `testset-artists`, together. A model without one has those of the model

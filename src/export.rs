@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(long, requires = "run", conflicts_with = "model")]
     out: Option<Location>,
     /// Folder or address of a model that is there.
-    #[arg(long, requires = "made")]
+    #[arg(long, requires = "made", value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Folder for WGSL files, which are replaced.
     #[arg(long)]

@@ -36,8 +36,8 @@ use std::path::{Path, PathBuf};
     book's chapter on your own g-buffer states unit, sign and space of every layer that a network may read."
 )]
 pub struct Args {
-    /// Folder or address of the network.
-    #[arg(long)]
+    /// Folder, address or name of the network.
+    #[arg(long, value_parser = crate::learned::place)]
     model: Location,
     /// G-buffer, an EXR file.
     #[arg(long)]

@@ -2,6 +2,7 @@
 
 mod card;
 mod estimates;
+mod folder;
 mod recorded;
 #[cfg(feature = "train")]
 pub mod run;
@@ -13,7 +14,6 @@ use card::Card;
 #[cfg(feature = "view")]
 use deepshade_infer::TrainedUnder;
 use deepshade_infer::forward::ForwardError;
-use deepshade_infer::model::{SPEC, WEIGHTS};
 use deepshade_infer::{Model, NetSpec};
 use deepshade_render::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::EstimateInputs;
@@ -24,54 +24,10 @@ use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use estimates::Estimates;
 pub use estimates::{SEED, estimator};
-use std::path::{Path, PathBuf};
+pub use folder::{files, is_network, is_run, place, usual_folder};
+use std::path::Path;
 
 pub use recorded::Recorded;
-
-/// The folder in which an effect's network lies unless another one is named: below `models` here, else among
-/// those that were installed with the program.
-pub fn usual_folder(effect: Effect) -> PathBuf {
-    let here = Path::new("models").join(effect.name());
-    let installed =
-        || installed().map(|models| models.join(effect.name())).filter(|folder| is_network(folder));
-    if is_network(&here) { here } else { installed().unwrap_or(here) }
-}
-
-/// Where packages put networks: `share/deepshade/models` beside the program's `bin`.
-fn installed() -> Option<PathBuf> {
-    let program = std::env::current_exe().ok()?;
-    Some(program.parent()?.parent()?.join("share/deepshade/models"))
-}
-
-/// Whether a folder holds a network: a model, or a training run.
-pub fn is_network(folder: &Path) -> bool {
-    is_model(folder) || is_run(folder)
-}
-
-fn is_model(folder: &Path) -> bool {
-    folder.join(SPEC).is_file()
-}
-
-/// Whether a folder holds a training run and no model.
-#[cfg(feature = "train")]
-pub fn is_run(folder: &Path) -> bool {
-    !is_model(folder) && run::is_run(folder)
-}
-
-/// A program that cannot train knows no runs.
-#[cfg(not(feature = "train"))]
-pub const fn is_run(_: &Path) -> bool {
-    false
-}
-
-/// The files in a network's folder by which it is told from others.
-pub fn files(folder: &Path) -> [PathBuf; 2] {
-    #[cfg(feature = "train")]
-    if is_run(folder) {
-        return run::FILES.map(|name| folder.join(name));
-    }
-    [SPEC, WEIGHTS].map(|name| folder.join(name))
-}
 
 /// What the network in a folder is; of a training run, before it has weights.
 ///
@@ -125,9 +81,7 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
             reads.push(*attribute);
         }
     };
-    if spec.inputs.iter().any(|input| Attribute::MADE.contains(input)) {
-        add(&Attribute::Position);
-    }
+    spec.inputs.iter().flat_map(|input| input.made_of()).for_each(&mut add);
     for estimate in &spec.estimates {
         let estimator = estimator(spec, estimate)?;
         // Of a file nobody knows the scene: it has to have what that alone tells.
@@ -141,7 +95,7 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
 /// them, or where that is not known.
 pub fn outside(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Option<String> {
     let trained = spec.trained?;
-    let outside = trained.outside(gbuffer, radius).ok()?;
+    let outside = trained.outside(spec.effect, gbuffer, radius).ok()?;
     outside.warning(&trained)
 }
 

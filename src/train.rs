@@ -34,7 +34,8 @@ use std::path::{Path, PathBuf};
     Views that are rendered while the network trains, and are on no disk:\n  \
     deepshade train --recipe dataset/recipes/ao.toml --out runs/ao\n  \
     deepshade train --recipe dataset/recipes/ao.toml --network corrected --channels 12 --estimate gtao:low --out runs/small\n\n\
-    The run's folder gets `config.json`, checkpoints, `metrics.jsonl` and a plot of the loss.")]
+    The run's folder gets `config.json`, checkpoints, `metrics.jsonl`, a plot of the loss, and a file of \
+    events, which `tensorboard --logdir` shows beside those of other runs.")]
 pub struct Args {
     /// What `deepshade dataset generate` made: its folder or address.
     #[arg(long, required_unless_present = "recipe", conflicts_with = "recipe")]
@@ -53,7 +54,8 @@ pub struct Args {
     #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY [default: gtao:high for ao,
-    /// surfel:medium for gi, ssdo:medium for do].
+    /// surfel:medium for gi, ssdo:medium for do, ring-gather:high for dof, reconstruction:high for
+    /// motion-blur, separable:ultra for sss, occluded-gather:high for multi].
     #[arg(long, value_parser = estimate)]
     estimate: Option<AnalyticEstimate>,
     /// Folder of the run, or an address such as s3://bucket/runs/ao.

@@ -99,6 +99,14 @@ impl Symmetry {
                     planes.plane_mut(first + 1)[pixel] = turned[1];
                 }
             }
+            AttributeKind::DoubledAngle => {
+                for pixel in 0..planes.pixels() {
+                    let doubled = [planes.plane(first)[pixel], planes.plane(first + 1)[pixel]];
+                    let turned = self.turn_doubled(doubled);
+                    planes.plane_mut(first)[pixel] = turned[0];
+                    planes.plane_mut(first + 1)[pixel] = turned[1];
+                }
+            }
             AttributeKind::Motion => {
                 for angle in planes.plane_mut(first) {
                     let [x, y] = self.turn([angle.cos(), angle.sin()]);
@@ -108,6 +116,13 @@ impl Symmetry {
                 }
             }
         }
+    }
+
+    /// A vector at twice the angle of a direction, of the direction turned: by quarters of a turn it is
+    /// turned by halves, and what mirrors the direction mirrors it at the x axis.
+    fn turn_doubled(self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let turned = if self.swaps_axes() { -1.0 } else { 1.0 };
+        [turned * x, if self.mirrored { -turned * y } else { turned * y }]
     }
 
     fn turn(self, [x, y]: [f32; 2]) -> [f32; 2] {

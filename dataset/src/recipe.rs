@@ -83,8 +83,8 @@ pub struct Recipe {
     /// Recipes for testing whose scene files must not be in `files`, relative to the recipe's folder.
     #[serde(default)]
     pub test_recipes: Vec<PathBuf>,
-    /// Methods that look beyond the screen and estimate what a network reads, METHOD:QUALITY: pairs hold
-    /// their images. Other estimates are made of a pair's g-buffer whenever it is read.
+    /// Methods that estimate what a network reads, METHOD:QUALITY: pairs hold their images. Those that look
+    /// beyond the screen have to be here; others can be made of a pair's g-buffer whenever it is read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub estimates: Vec<String>,
     /// How a test set is made; see [`crate::testset`].
@@ -271,15 +271,14 @@ impl Recipe {
         self.vary.as_ref().is_some_and(|vary| vary.timeline.is_some())
     }
 
-    /// The attributes of its pairs: what is [seen](Recipe::seen_attributes), and what methods that look
-    /// beyond the screen estimate.
+    /// The attributes of its pairs: what is [seen](Recipe::seen_attributes), and what methods estimate.
     pub fn attributes(&self) -> Vec<Attribute> {
         let mut attributes = self.seen_attributes();
         attributes.extend(self.estimators().flat_map(|estimator| estimator.makes()));
         attributes
     }
 
-    /// The methods that look beyond the screen and estimate what a network reads.
+    /// The methods that estimate what a network reads.
     pub(crate) fn estimators(&self) -> impl Iterator<Item = Estimator> {
         self.estimates.iter().filter_map(|text| Estimator::parse(self.effect, text).ok())
     }

@@ -196,7 +196,10 @@ fn possible(attribute: Attribute, component: usize, value: f32) -> bool {
         | Attribute::RawOpenness
         | Attribute::Relief
         | Attribute::PixelRadius
-        | Attribute::Border => true,
+        | Attribute::Border
+        | Attribute::SignedCircle
+        | Attribute::Movement
+        | Attribute::FreePathPixels => true,
     }
 }
 

@@ -61,8 +61,10 @@ impl NetSpec {
         self.lights().next().is_some()
     }
 
+    /// By which light frames are exposed. An estimate that is made of the frame's light is made after that.
     pub(crate) fn lights(&self) -> impl Iterator<Item = Attribute> {
-        self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light)
+        let lights = self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light);
+        lights.filter(|light| *light != Attribute::Estimate || !self.inputs.contains(&Attribute::Light))
     }
 
     /// How bright light is to the network. Light of one bounce is some six times fainter than that which it
@@ -76,7 +78,8 @@ impl NetSpec {
     /// `[input channels, height, width]`, so that the frame looks to it like those that it was trained with:
     /// its numbers multiplied by [`Scaling`] and by the powers of two of [`factor`](NetSpec::factor). Of
     /// colours a mono network reads the channel that the run makes. Where no surface is seen every channel is
-    /// 0, as in training, whatever the renderer has put there.
+    /// 0, as in training, whatever the renderer has put there, but for what is [seen](NetSpec::is_everywhere)
+    /// there, too.
     ///
     /// # Errors
     /// If the g-buffer lacks one of the network's inputs or `valid`.
@@ -87,8 +90,9 @@ impl NetSpec {
         let mut data = Vec::with_capacity(self.input_channels() * all.pixels());
         for (plane, channel) in channels.enumerate().filter(|(_, channel)| self.reads(channel, run)) {
             let factor = Self::factor(&channel, scaling);
+            let everywhere = self.is_everywhere(channel.attribute);
             let values = all.plane(plane).iter().zip(&seen);
-            data.extend(values.map(|(value, seen)| if *seen { factor * *value } else { 0.0 }));
+            data.extend(values.map(|(value, seen)| if *seen || everywhere { factor * *value } else { 0.0 }));
         }
         Ok(Planes::from_data(self.input_channels(), all.height(), all.width(), data))
     }
@@ -103,6 +107,12 @@ impl NetSpec {
             Scale::Light => scaling.light,
         };
         factor * 2f32.powi(exponent)
+    }
+
+    /// Whether an input is read where no surface is seen, too: the estimate of an effect that reaches beyond
+    /// the surface's pixel.
+    pub fn is_everywhere(&self, attribute: Attribute) -> bool {
+        attribute == Attribute::Estimate && self.effect.background().is_none()
     }
 
     /// Whether a run reads a channel of one of the network's inputs.

@@ -155,25 +155,35 @@ impl AnalyticEstimate {
 
 impl NetSpec {
     /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many
-    /// channels at half the resolution; none where no method does. Those of light read openness beside the
-    /// light that they correct: surfels of `gi` hide nothing, and the few directions of `do` miss much.
+    /// channels at half the resolution; none where no method does. Those of indirect light and of skies read
+    /// openness beside the light that they correct: surfels of `gi` hide nothing, and the few directions of
+    /// `do` miss much. Filters of light weigh that light itself beside the estimate.
     pub fn corrected(
         effect: Effect,
         channels: usize,
         estimates: Vec<AnalyticEstimate>,
         reach: Reach,
     ) -> Option<Self> {
-        use Attribute::{Border, DiffuseLight, Estimate, Normal, Openness, PixelRadius, RawOpenness, Relief};
+        use Attribute::{
+            Border, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
+            RawOpenness, Relief, SignedCircle,
+        };
         let local = [Normal, Relief, PixelRadius, Border];
-        let (made, of, over): (&[Attribute], _, _) = match effect {
-            Effect::Ao => (&[Openness, RawOpenness], Openness, RawOpenness),
-            Effect::Gi => (&[DiffuseLight, Estimate, Openness], Estimate, Estimate),
-            Effect::Do => (&[Estimate, Openness], Estimate, Estimate),
+        let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();
+        let (inputs, of, over, levels) = match effect {
+            Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
+            Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
+            Effect::Do => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
+            Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
+            Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
+            Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),
+            Effect::Sss => (filter(&[Normal, Relief, FreePathPixels]), Estimate, Light, 3),
             _ => return None,
         };
-        let inputs = [&local[..], made].concat();
-        let correction = Correction { of, over, levels: 2, kernel: 3, gain: effect != Effect::Ao };
-        Some(Self::correcting(effect, inputs, estimates, correction, channels, reach))
+        let correction = Correction { of, over, levels, kernel: 3, gain: effect != Effect::Ao };
+        let spec = Self::correcting(effect, inputs, estimates, correction, channels, reach);
+        // Light goes farther below a surface in one colour than in another.
+        Some(if effect == Effect::Sss { Self { colour: Colour::Mono, ..spec } } else { spec })
     }
 
     /// A network of the form of [`trunk`], with so many channels at half the resolution, that corrects an

@@ -19,10 +19,13 @@ fn gpu() -> Gpu {
     Gpu::new().expect("the tests need a Vulkan, Metal or DirectX 12 adapter; a software one will do")
 }
 
-/// The network that corrects an estimate of ambient occlusion.
+/// The network that corrects an estimate of an effect.
+fn corrected_of(effect: Effect, method: &str) -> NetSpec {
+    NetSpec::corrected(effect, 8, vec![AnalyticEstimate::new(method, "low")], REACH).expect("it has one")
+}
+
 fn corrected() -> NetSpec {
-    let estimate = AnalyticEstimate::new("gtao", "low");
-    NetSpec::corrected(Effect::Ao, 8, vec![estimate], REACH).expect("it has one")
+    corrected_of(Effect::Ao, "gtao")
 }
 
 fn published(effect: Effect) -> NetSpec {
@@ -72,10 +75,9 @@ fn difference(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(apart).map(|d| if d.is_nan() { f32::INFINITY } else { d }).fold(0.0, f32::max)
 }
 
-/// Which channels are made of positions and the radius.
+/// Which channels are made of others.
 fn is_made(spec: &NetSpec) -> Vec<bool> {
-    let made = [Attribute::Relief, Attribute::PixelRadius, Attribute::Border];
-    let channels = |attribute: &Attribute| vec![made.contains(attribute); spec.width(*attribute)];
+    let channels = |attribute: &Attribute| vec![!attribute.made_of().is_empty(); spec.width(*attribute)];
     spec.inputs.iter().flat_map(channels).collect()
 }
 
@@ -93,7 +95,15 @@ fn assert_same_input(spec: &NetSpec, expected: &Planes, made: &Planes) {
 fn a_networks_input_is_the_same_at_odd_sizes_whatever_it_reads() {
     let gpu = gpu();
     let effects = [Effect::Sss, Effect::Multi, Effect::MotionBlur];
-    let specs: Vec<NetSpec> = effects.into_iter().map(published).chain([corrected()]).collect();
+    let filters = [
+        (Effect::Dof, "ring-gather"),
+        (Effect::MotionBlur, "reconstruction"),
+        (Effect::Sss, "separable"),
+        (Effect::Multi, "occluded-gather"),
+    ];
+    let filters = filters.into_iter().map(|(effect, method)| corrected_of(effect, method));
+    let specs: Vec<NetSpec> =
+        effects.into_iter().map(published).chain([corrected()]).chain(filters).collect();
     for (height, width) in [(45, 67), (130, 201), (3, 2)] {
         let gbuffer = gbuffer(height, width);
         let buffers = uploaded(&gpu, &gbuffer);

@@ -100,7 +100,10 @@ impl PixelHit<'_> {
             | Attribute::Estimate
             | Attribute::Relief
             | Attribute::PixelRadius
-            | Attribute::Border => Vec3::ZERO,
+            | Attribute::Border
+            | Attribute::SignedCircle
+            | Attribute::Movement
+            | Attribute::FreePathPixels => Vec3::ZERO,
         }
     }
 }

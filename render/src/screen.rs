@@ -8,6 +8,7 @@
 
 mod device;
 mod gbuffer;
+mod halved;
 pub mod host;
 mod method_passes;
 mod processor;
@@ -18,6 +19,7 @@ pub mod upsampling;
 
 pub use device::Device;
 pub use gbuffer::GpuGBuffer;
+pub use halved::Halved;
 pub use method_passes::{MethodPasses, MethodStep, PassDispatch, Workgroups};
 pub use reprojection::Reprojection;
 pub use surface::Surface;

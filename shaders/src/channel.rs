@@ -20,6 +20,8 @@ pub enum AttributeKind {
     Motion,
     /// A number without direction at several scales, pixels.
     Scales,
+    /// A direction that back and forth are the same of, as a vector at twice its angle.
+    DoubledAngle,
 }
 
 /// One physical quantity of a g-buffer.
@@ -79,6 +81,14 @@ pub enum Attribute {
     PixelRadius,
     /// Distance to the image's nearest border over the radius in pixels, at most 1.
     Border,
+    /// `Blurriness / Depth` in eights of pixels, within -8 and 8: the signed radius of the circle of
+    /// confusion, positive beyond focus.
+    SignedCircle,
+    /// `Motion` in eights of pixels as a vector at twice its angle, so that opposite directions are one and
+    /// the same, and near ones are near: `length (cos 2a, sin 2a)`.
+    Movement,
+    /// Logarithm of `MeanFreePath` in pixels at the point, to the base of 2, divided by 8.
+    FreePathPixels,
 }
 
 impl Attribute {
@@ -105,8 +115,29 @@ impl Attribute {
     ];
 
     /// What is made for a network to read; `Estimate` may take a scene. Renderers need not give it.
-    pub const MADE: [Self; 6] =
-        [Self::Openness, Self::RawOpenness, Self::Estimate, Self::Relief, Self::PixelRadius, Self::Border];
+    pub const MADE: [Self; 9] = [
+        Self::Openness,
+        Self::RawOpenness,
+        Self::Estimate,
+        Self::Relief,
+        Self::PixelRadius,
+        Self::Border,
+        Self::SignedCircle,
+        Self::Movement,
+        Self::FreePathPixels,
+    ];
+
+    /// What it follows from, with the effect's radius and no method: attributes that a renderer gives; none
+    /// of what a renderer gives itself, and of estimates.
+    pub const fn made_of(self) -> &'static [Self] {
+        match self {
+            Self::Relief | Self::PixelRadius | Self::Border => &[Self::Position],
+            Self::SignedCircle => &[Self::Blurriness, Self::Depth],
+            Self::Movement => &[Self::Motion],
+            Self::FreePathPixels => &[Self::MeanFreePath, Self::Position],
+            _ => &[],
+        }
+    }
 
     /// The layer's name in an EXR file.
     pub const fn name(self) -> &'static str {
@@ -135,6 +166,9 @@ impl Attribute {
             Self::Relief => "relief",
             Self::PixelRadius => "pixel_radius",
             Self::Border => "border",
+            Self::SignedCircle => "signed_circle",
+            Self::Movement => "movement",
+            Self::FreePathPixels => "free_path_pixels",
         }
     }
 
@@ -149,7 +183,8 @@ impl Attribute {
             | Self::Light
             | Self::DiffuseLight
             | Self::Emission
-            | Self::Estimate => AttributeKind::Colour,
+            | Self::Estimate
+            | Self::FreePathPixels => AttributeKind::Colour,
             Self::Motion => AttributeKind::Motion,
             Self::Depth
             | Self::FocalDistance
@@ -161,8 +196,10 @@ impl Attribute {
             | Self::Openness
             | Self::RawOpenness
             | Self::PixelRadius
-            | Self::Border => AttributeKind::Scalar,
+            | Self::Border
+            | Self::SignedCircle => AttributeKind::Scalar,
             Self::Relief => AttributeKind::Scales,
+            Self::Movement => AttributeKind::DoubledAngle,
         }
     }
 
@@ -174,6 +211,7 @@ impl Attribute {
             AttributeKind::Colour => &["R", "G", "B"],
             AttributeKind::Motion => &["direction", "length"],
             AttributeKind::Scales => &["4", "16", "64"],
+            AttributeKind::DoubledAngle => &["X", "Y"],
             AttributeKind::Scalar => &[""],
         }
     }

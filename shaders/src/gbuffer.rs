@@ -106,6 +106,34 @@ impl GBuffer {
         Ok(if found.is_finite() && found > 0.0 { found } else { 1.0 })
     }
 
+    /// The lens that `Blurriness`, which is `B (Ds - focus)`, is of: the radius in pixels of the circle of
+    /// confusion of what is infinitely far away, and the distance in focus, metres, by least squares. None
+    /// where all that is seen is at one depth or there is no such lens.
+    ///
+    /// # Errors
+    /// If the g-buffer has no `Blurriness`, `Depth` or `valid`.
+    pub fn blur_and_focus(&self) -> Result<Option<[f32; 2]>, MissingAttribute> {
+        let of = self.select(&[Attribute::Depth, Attribute::Blurriness])?;
+        let seen = self.seen()?;
+        let is_finite = |pixel: usize| (0..2).all(|c| of.plane(c)[pixel].is_finite());
+        let pixels = || (0..seen.len()).filter(|pixel| seen[*pixel] && is_finite(*pixel));
+        let mean = |plane: usize| {
+            let sum: f64 = pixels().map(|pixel| f64::from(of.plane(plane)[pixel])).sum();
+            sum / pixels().count().max(1) as f64
+        };
+        let (depth, blurriness) = (mean(0), mean(1));
+        let (mut squares, mut products) = (0.0f64, 0.0f64);
+        for pixel in pixels() {
+            let [off, blur] =
+                [(0, depth), (1, blurriness)].map(|(c, mean)| f64::from(of.plane(c)[pixel]) - mean);
+            squares += off * off;
+            products += off * blur;
+        }
+        let blur = products / squares;
+        let found = [blur, depth - blurriness / blur].map(|value| value as f32);
+        Ok(Some(found).filter(|found| found.iter().all(|value| value.is_finite() && *value > 0.0)))
+    }
+
     /// The g-buffer with more attributes, whose planes `more` has one after the other.
     ///
     /// # Panics
@@ -166,6 +194,26 @@ mod tests {
         assert_eq!(nothing.focal_length(), Ok(1.0));
         let with = nothing.with(&[Attribute::Border], &[0.5; 4]);
         assert_eq!(with.select(&[Attribute::Border]).map(|border| border.data().to_vec()), Ok(vec![0.5; 4]));
+    }
+
+    #[test]
+    fn a_lens_is_found_from_what_it_blurs() {
+        let (blur, focus) = (12.0, 3.0);
+        let frame = |depth: &dyn Fn(usize) -> f32, blur: f32| {
+            let value = |c: usize, _: usize, x: usize| match c {
+                0 => depth(x),
+                1 => blur * (depth(x) - focus),
+                _ => f32::from(u8::from(x < 5)),
+            };
+            let attributes = vec![Attribute::Depth, Attribute::Blurriness, Attribute::Valid];
+            GBuffer::new(attributes, Planes::from_fn(3, 2, 6, value)).blur_and_focus().expect("all is there")
+        };
+        // The last but one is infinitely far away, the last shows nothing.
+        let slope = |x: usize| [1.0, 2.0, 3.0, 4.0, f32::INFINITY, f32::NAN][x];
+        let found = frame(&slope, blur).expect("a lens");
+        assert!((found[0] - blur).abs() < 1e-4 && (found[1] - focus).abs() < 1e-4, "{found:?}");
+        assert_eq!(frame(&|_| 2.0, blur), None, "all is at one depth");
+        assert_eq!(frame(&slope, 0.0), None, "there is no lens");
     }
 
     #[test]

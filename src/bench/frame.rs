@@ -46,8 +46,8 @@ pub struct Args {
     /// every effect that has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
-    /// Folder or address of the network of `learned`; by default models/EFFECT.
-    #[arg(long)]
+    /// Folder, address or name of the network of `learned`; by default models/EFFECT.
+    #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// How much time methods may take for a better image: low, medium, high or ultra.
     #[arg(long, default_value = "medium")]

@@ -17,7 +17,7 @@ pub fn files(model: &Model, precision: Precision) -> Result<Vec<File>> {
     Ok([files, check::files(model, &attributes)?].concat())
 }
 
-/// The passes of the methods whose images a network reads, as far as they read the g-buffer alone.
+/// The passes of the methods of `ao` whose images a network reads.
 fn estimates(spec: &NetSpec) -> Result<Vec<HostPasses>> {
     let made = spec.estimates.iter().map(|estimate| Ok(estimator(spec, estimate)?.host_passes()));
     Ok(made.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect())

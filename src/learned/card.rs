@@ -7,11 +7,9 @@ use deepshade_infer::forward::{FrameScale, ImageBuffers, ImagePass, InputPasses,
 use deepshade_infer::{NetSpec, Scaling};
 use deepshade_render::method::{Clock, Frame, MethodError, Repeats, Shaded};
 use deepshade_render::methods::estimate::{EstimateInputs, Estimator};
-use deepshade_render::scene::Camera;
 use deepshade_render::screen::{GpuGBuffer, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes};
-use glam::Vec3;
 use std::sync::Arc;
 
 /// The passes around a network on an adapter.
@@ -60,7 +58,7 @@ impl Card {
         let gbuffer = gbuffer.as_ref().unwrap_or(inputs.gbuffer);
         let seen =
             GpuGBuffer::upload(device, gbuffer, &self.reads()).map_err(|error| error.of_method(LEARNED))?;
-        let (view, channels) = (view(gbuffer, radius), self.spec.effect.channels());
+        let (view, channels) = (inputs.view(), self.spec.effect.channels());
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let scaling = self.spec.scaling(gbuffer, radius).map_err(missing)?;
         let image = gpu::empty::<f32>(device, "learned.image", channels * view.height * view.width);
@@ -159,19 +157,12 @@ impl Card {
     }
 
     fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<EstimatePasses>, MethodError> {
-        let estimates = self.on_screen().map(|(_, method)| EstimatePasses::new(method, gbuffer, view));
+        let made = |(estimator, method): (&Estimator, &ScreenMethod)| {
+            EstimatePasses::new(method, estimator.makes().len() > 1, gbuffer, view)
+        };
+        let estimates = self.on_screen().map(made);
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
-}
-
-/// From where a g-buffer is seen whose camera is not known, as far as its positions say. Where it has none
-/// nobody wants to know.
-fn view(gbuffer: &GBuffer, radius: f32) -> View {
-    let (height, width) = (gbuffer.height(), gbuffer.width());
-    let focal_length = gbuffer.focal_length().unwrap_or(1.0);
-    let vertical_fov = 2.0 * (0.5 * height as f32 / focal_length).atan();
-    let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
-    View { height, width, camera, radius, seed: 0 }
 }
 
 /// What pixels, lengths and light are to the network.

@@ -28,7 +28,7 @@ pub struct EstimatePasses {
     passes: MethodPasses,
     /// What its first pass writes: the image before its blur. Later passes may write there again.
     first: Buffer,
-    raw: Buffer,
+    raw: Option<Buffer>,
 }
 
 impl Recorded {
@@ -63,18 +63,25 @@ impl EstimatePasses {
     ///
     /// # Errors
     /// If the device has no room, or refuses a binding.
-    pub fn new(method: &ScreenMethod, gbuffer: &GpuGBuffer, view: &View) -> Result<Self, GpuError> {
+    pub fn new(
+        method: &ScreenMethod,
+        has_raw: bool,
+        gbuffer: &GpuGBuffer,
+        view: &View,
+    ) -> Result<Self, GpuError> {
         let inputs = Inputs { gbuffer, environment: None, world: None };
         let passes = MethodPasses::new(method, &inputs, &of_estimates(view))?;
         let first = passes.steps().first().and_then(|step| step.writes.first());
         let first = first.unwrap_or_else(|| passes.output()).clone();
-        let raw = gpu::empty::<f32>(&method.gpu().device, "learned.raw", view.height * view.width)?;
+        let device = &method.gpu().device;
+        let raw = || gpu::empty::<f32>(device, "learned.raw", view.height * view.width);
+        let raw = if has_raw { Some(raw()?) } else { None };
         Ok(Self { passes, first, raw })
     }
 
-    /// Its image, and the same before the method's blur.
-    pub fn images(&self) -> [&Buffer; 2] {
-        [self.passes.output(), &self.raw]
+    /// Its image, and the same before the method's blur, where a network reads that.
+    pub fn images(&self) -> impl Iterator<Item = &Buffer> {
+        std::iter::once(self.passes.output()).chain(&self.raw)
     }
 
     /// Records its passes; `begin` is when they begin.
@@ -82,7 +89,9 @@ impl EstimatePasses {
         let steps = self.passes.steps();
         let (first, later) = steps.split_at(steps.len().min(1));
         compute(encoder, begin, |pass| first.iter().for_each(|step| step.step.encode_in(pass)));
-        encoder.copy_buffer_to_buffer(&self.first, 0, &self.raw, 0, self.raw.size());
+        if let Some(raw) = &self.raw {
+            encoder.copy_buffer_to_buffer(&self.first, 0, raw, 0, raw.size());
+        }
         compute(encoder, None, |pass| later.iter().for_each(|step| step.step.encode_in(pass)));
     }
 }

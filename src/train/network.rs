@@ -20,7 +20,7 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 3] = [Effect::Ao, Effect::Do, Effect::Gi];
+const MEASURED: [Effect; 5] = [Effect::Ao, Effect::Do, Effect::Gi, Effect::Dof, Effect::Sss];
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
 /// The estimates that the corrected network reads of an effect, that which it corrects first.
@@ -29,6 +29,10 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     match effect {
         Effect::Gi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
+        Effect::Dof => vec![of("ring-gather", "high")],
+        Effect::Multi => vec![of("occluded-gather", "high")],
+        Effect::MotionBlur => vec![of("reconstruction", "high")],
+        Effect::Sss => vec![of("separable", "ultra")],
         _ => vec![of("gtao", "high")],
     }
 }
@@ -131,10 +135,10 @@ pub fn corrected_config(args: &Args, recipe: &Recipe, data: &Path) -> Result<Tra
     Ok(correcting(spec, data))
 }
 
-/// Whether data hold what only a scene tells as the network reads it. Where they are rendered while it trains
-/// it is made, unless their recipe names another estimate, which would take its place.
+/// Whether data hold the estimate as the network reads it. Where they do not it is made, unless only a scene
+/// tells it and they are on disk. An estimate that their recipe names would take its place.
 fn check_data(estimates: &[AnalyticEstimate], recipe: &Recipe, on_disk: bool, data: &Path) -> Result<()> {
-    let Some(estimate) = estimates.iter().find(|estimate| is_of_scene(recipe.effect, estimate)) else {
+    let Some(estimate) = estimates.first() else {
         return Ok(());
     };
     let (data, wanted) = (data.display(), format!("{}:{}", estimate.method, estimate.quality));
@@ -143,7 +147,7 @@ fn check_data(estimates: &[AnalyticEstimate], recipe: &Recipe, on_disk: bool, da
             "{data}: it has `{held}`, and the network reads `{wanted}`: give --estimate {held}, or have \
              `estimates = [\"{wanted}\"]` in the recipe"
         ),
-        None if on_disk => bail!(
+        None if on_disk && is_of_scene(recipe.effect, estimate) => bail!(
             "{data}: the network reads `{wanted}`, which pairs hold whose recipe has \
              `estimates = [\"{wanted}\"]`: generate them anew, or train with --recipe, which makes it"
         ),

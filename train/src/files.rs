@@ -2,7 +2,9 @@
 
 use crate::checkpoint::CHECKPOINT_FILE;
 use crate::config::CONFIG_FILE;
+use crate::events::EVENTS_FILE;
 use crate::metrics::{CURVE_FILE, METRICS_FILE};
+use crate::training::RANGES_FILE;
 use crate::{TrainConfig, TrainError};
 use deepshade_dataset::holder::Holder;
 use deepshade_dataset::lock;
@@ -50,7 +52,7 @@ pub fn discard(folder: &Path) -> Result<(), TrainError> {
     TrainConfig::load(folder)?;
     let _taken = take(folder)?;
     // The config last: as long as it is there, what is left is known as a run.
-    for name in [CHECKPOINT_FILE, METRICS_FILE, CURVE_FILE, CONFIG_FILE] {
+    for name in [CHECKPOINT_FILE, METRICS_FILE, CURVE_FILE, EVENTS_FILE, RANGES_FILE, CONFIG_FILE] {
         let path = folder.join(name);
         if path.exists() {
             std::fs::remove_file(&path).map_err(TrainError::io("delete", &path))?;

@@ -6,6 +6,7 @@ pub mod checkpoint;
 pub mod config;
 mod device;
 pub mod error;
+mod events;
 pub mod export;
 mod feed;
 mod files;

@@ -62,7 +62,9 @@ impl Batch {
         let variance = pair.variance.as_ref().map_or_else(|| vec![0.0; values], of_run);
         self.variance.extend(variance.iter().map(|value| exposure * exposure * value));
         self.exposure.push(exposure / scaling.light);
-        self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen))));
+        // Light that spreads from surfaces over what is beside them counts there, too.
+        let everywhere = spec.inputs.iter().any(|input| spec.is_everywhere(*input));
+        self.valid.extend(seen.into_iter().map(|seen| f32::from(u8::from(seen || everywhere))));
     }
 
     /// Number of images.

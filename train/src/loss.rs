@@ -30,11 +30,15 @@ pub enum Loss {
     /// Structural dissimilarity, as in the thesis.
     #[default]
     Dssim,
-    /// Structural dissimilarity plus mean squared difference.
+    /// Structural dissimilarity plus mean squared difference; differences of more than white count as white.
     DssimL2,
     /// That, plus the mean absolute difference of tiles' means.
     DssimL2Means,
 }
+
+/// What an exposed image shows as white. Differences beyond it count as much: else the highlights of a few
+/// pixels, hundreds of whites bright, ruled what is learned of all others.
+const WHITE: f64 = 1.0;
 
 /// A variance that is nothing beside [`C2`]: keeps flat tiles from dividing 0 by 0.
 const FLAT: f64 = 1e-9;
@@ -57,7 +61,7 @@ pub struct Target {
     /// Variance of the noise of each value of `image`, which is independent of that of other values; 0 where
     /// there is none or it is not known. Shape of `image`.
     pub variance: Tensor<4>,
-    /// 1 where a surface is seen, 0 elsewhere: `[batch, 1, height, width]`.
+    /// 1 where the image counts, 0 elsewhere, as where no surface is seen: `[batch, 1, height, width]`.
     pub valid: Tensor<4>,
 }
 
@@ -77,7 +81,9 @@ impl Loss {
         let variance = variance * valid;
         let prediction = image.clone() + difference.clone();
         let dssim = (1.0 - ssim_tiles(prediction, image, variance.clone()).mean()) * 0.5;
+        let difference = difference.clamp(-WHITE, WHITE);
         // What noise adds to it is taken off, too.
+        let variance = variance.clamp_max(WHITE * WHITE);
         let l2 = || (difference.clone() * difference.clone() - variance.clone()).mean();
         match self {
             Self::Dssim => dssim,

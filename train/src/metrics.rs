@@ -1,5 +1,6 @@
-//! What a run measures: JSON lines, one object a line, and a curve drawn from them.
+//! What a run measures: JSON lines, one object a line, a curve drawn from them, and events for TensorBoard.
 
+use crate::events::EventFile;
 use crate::{TrainError, files};
 use deepshade_dataset::holder::Holder;
 use plotters::prelude::*;
@@ -54,6 +55,7 @@ pub(crate) struct Metrics {
     folder: PathBuf,
     file: File,
     lines: Vec<Line>,
+    events: EventFile,
     _holder: Holder,
 }
 
@@ -71,7 +73,8 @@ impl Metrics {
         let (lines, lengths): (Vec<Line>, Vec<u64>) = kept.unzip();
         let end = lengths.iter().sum();
         file.set_len(end).map_err(TrainError::io("write", &path))?;
-        Ok(Self { folder: folder.to_owned(), file, lines, _holder: holder })
+        let events = EventFile::new(folder, &lines)?;
+        Ok(Self { folder: folder.to_owned(), file, lines, events, _holder: holder })
     }
 
     /// Adds a line.
@@ -83,7 +86,7 @@ impl Metrics {
         let json = serde_json::to_string(&line).expect("a line is plain data") + "\n";
         self.file.write_all(json.as_bytes()).map_err(TrainError::io("write", &path))?;
         self.lines.push(line);
-        Ok(())
+        self.events.add(&line)
     }
 
     /// Draws the curve into the run's folder.

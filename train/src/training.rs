@@ -16,7 +16,7 @@ use deepshade_dataset::holder::Holder;
 use deepshade_dataset::progress::Gauge;
 use deepshade_dataset::{Dataset, DatasetError, Estimator, Pair, Recipe, stream};
 use deepshade_infer::{AnalyticEstimate, Model, NetSpec, Trained, Weights};
-use deepshade_shaders::lists;
+use deepshade_shaders::{Effect, lists};
 use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
@@ -104,7 +104,7 @@ pub fn train_streamed(
     let recipe = &with_estimates(recipe, &config.spec);
     let failed = |error: DatasetError| TrainError::Data(error.to_string());
     let pairs = stream::validation(recipe, config.validation_pairs).map_err(failed)?;
-    note_ranges(&pairs, folder)?;
+    note_ranges(config.spec.effect, &pairs, folder)?;
     let half = |(index, pair): (usize, &Pair)| {
         let half = HalfPair::new(pair, &config.spec, index as u32).map(Arc::new);
         half.map_err(|problem| TrainError::Pair { index, problem })
@@ -143,8 +143,8 @@ fn claim(config: &TrainConfig, folder: &Path) -> Result<(File, Holder), TrainErr
 }
 
 /// Writes down what the frames of a run are like, for what is exported of it.
-fn note_ranges(pairs: &[Pair], folder: &Path) -> Result<(), TrainError> {
-    let ranges = Trained::of(pairs.iter().map(|pair| (&pair.gbuffer, pair.radius)));
+fn note_ranges(effect: Effect, pairs: &[Pair], folder: &Path) -> Result<(), TrainError> {
+    let ranges = Trained::of(effect, pairs.iter().map(|pair| (&pair.gbuffer, pair.radius)));
     if let Ok(Some(ranges)) = ranges {
         let json = serde_json::to_vec_pretty(&ranges).expect("ranges are plain data");
         files::replace(&folder.join(RANGES_FILE), &json)?;

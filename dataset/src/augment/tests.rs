@@ -28,6 +28,27 @@ fn after_each_other(first: Symmetry, second: Symmetry) -> Symmetry {
     Symmetry::ALL.into_iter().find(|both| both.matrix() == product).expect("a group")
 }
 
+/// The g-buffer's movements as vectors at twice their angles.
+fn doubled(gbuffer: &GBuffer) -> GBuffer {
+    let motion = gbuffer.select(&[Attribute::Motion]).expect("it is there");
+    let value = |c: usize, y: usize, x: usize| {
+        let (sine, cosine) = (2.0 * motion.at(0, y, x)).sin_cos();
+        motion.at(1, y, x) * [cosine, sine][c]
+    };
+    let planes = Planes::from_fn(2, motion.height(), motion.width(), value);
+    GBuffer::new(vec![Attribute::Movement], planes)
+}
+
+#[test]
+fn a_movement_turns_as_the_motion_that_it_is_of() {
+    let gbuffer = asymmetric(5, 8);
+    for symmetry in Symmetry::ALL {
+        let (turned, of_turned) = (symmetry.apply(&doubled(&gbuffer)), doubled(&symmetry.apply(&gbuffer)));
+        assert!(nearly_equal(&turned, &of_turned), "{symmetry:?}");
+    }
+    assert!(!nearly_equal(&doubled(&gbuffer), &Symmetry::new(true, 0).apply(&doubled(&gbuffer))));
+}
+
 #[test]
 fn the_eight_are_a_group() {
     let gbuffer = asymmetric(5, 8);

@@ -54,7 +54,7 @@ impl Rendered {
     }
 }
 
-/// A g-buffer with what the recipe's methods that look beyond the screen estimate.
+/// A g-buffer with what the recipe's methods estimate.
 fn estimated(
     recipe: &Recipe,
     gbuffer: GBuffer,

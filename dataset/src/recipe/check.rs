@@ -116,12 +116,6 @@ impl Recipe {
         for (index, text) in self.estimates.iter().enumerate() {
             let estimator = Estimator::parse(self.effect, text);
             let estimator = estimator.map_err(|error| format!("`estimates`: {error}"))?;
-            if !estimator.reads_scene() {
-                let method = estimator.method();
-                return Err(format!(
-                    "`estimates`: `{method}` needs no scene; pairs get it when they are read"
-                ));
-            }
             let earlier = self.estimates[..index].iter();
             let earlier = earlier.filter_map(|text| Estimator::parse(self.effect, text).ok());
             if earlier.flat_map(|other| other.makes()).any(|made| estimator.makes().contains(made)) {

@@ -29,7 +29,7 @@ pub struct WgslFiles {
 
 /// The files of a network: a shader for each pass, weights and a table of what is read for each layer,
 /// `network.json` with the passes, their buffers and their uniforms, and `HOST.md` with the same in words.
-/// `estimates` are the passes of the methods that the spec names, as far as they read the g-buffer alone.
+/// `estimates` are the passes of the methods that the spec names, as far as they are exported.
 ///
 /// # Errors
 /// If the weights are not the spec's.

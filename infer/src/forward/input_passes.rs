@@ -13,11 +13,12 @@ use wgpu::{Buffer, Device};
 
 /// Most storage buffers of a pass: WebGPU guarantees as many.
 pub(super) const MOST_BUFFERS: usize = 8;
-/// Storage buffers that one attribute needs: it or positions, sums over squares, `valid`, and the input.
+/// Storage buffers that one attribute needs: two that it is made of, or positions and sums over squares,
+/// `valid`, and the input.
 const LEAST_BUFFERS: usize = 4;
 
 /// Passes that write a network's input, as [`Input::Buffer`](super::Input::Buffer) wants it, on the device:
-/// scaled, 0 where no surface is seen, and with `relief`, `pixel_radius` and `border` made of positions and
+/// scaled, 0 where no surface is seen, and with what is [made](Attribute::made_of) of other attributes and
 /// the radius. They are compiled once.
 #[derive(Debug)]
 pub struct InputPasses {
@@ -160,6 +161,14 @@ pub(super) fn passes(spec: &NetSpec, most_buffers: usize) -> Vec<InputPass> {
             Attribute::Relief => (0..RELIEF_LEVELS.len() as u32).map(InputChannel::Relief).collect(),
             Attribute::PixelRadius => vec![InputChannel::PixelRadius],
             Attribute::Border => vec![InputChannel::Border],
+            Attribute::SignedCircle => vec![InputChannel::SignedCircle],
+            Attribute::Movement => (0..2).map(InputChannel::Movement).collect(),
+            Attribute::FreePathPixels => {
+                scaled.into_iter().map(|channel| InputChannel::FreePathPixels(channel.component)).collect()
+            }
+            _ if spec.is_everywhere(*attribute) => {
+                scaled.into_iter().map(|channel| InputChannel::Everywhere(*attribute, channel)).collect()
+            }
             _ => scaled.into_iter().map(|channel| InputChannel::Of(*attribute, channel)).collect(),
         };
         let count = channels.len() as u32;

@@ -34,7 +34,8 @@ pub enum OutputKind {
 pub enum Input<'a> {
     /// A storage buffer, planar `[input channels, height, width]` f32: what [`NetSpec::input`] makes of a
     /// g-buffer, or a pass of the caller's that does the same: every channel multiplied by its
-    /// [`NetSpec::factor`], and 0 where no surface is seen.
+    /// [`NetSpec::factor`], and 0 where no surface is seen but for what is read
+    /// [everywhere](NetSpec::is_everywhere).
     Buffer(&'a wgpu::Buffer),
     /// The g-buffer itself.
     Textures {
@@ -43,7 +44,8 @@ pub enum Input<'a> {
         /// needed. A view shows mip 0, which has at least the image's rows and columns; what lies beyond
         /// these is not read.
         ///
-        /// Every channel must be 0 where no surface is seen: lengths and light are scaled as they are read,
+        /// Every channel must be 0 where no surface is seen, but for what is read
+        /// [everywhere](NetSpec::is_everywhere): lengths and light are scaled as they are read,
         /// but nothing tells the network which pixels those are. A g-buffer that holds something else there
         /// is cleared by its owner.
         views: &'a [wgpu::TextureView],
@@ -55,7 +57,7 @@ pub enum Input<'a> {
     },
 }
 
-/// A network's image. What it makes where no surface is seen means nothing;
+/// A network's image. What it makes where no surface is seen means nothing, if the effect has a background;
 /// [`NetSpec::set_background`], or the caller's own pass, puts the effect's
 /// [`background`](deepshade_shaders::Effect::background) there.
 #[derive(Clone, Copy, Debug)]

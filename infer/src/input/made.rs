@@ -1,8 +1,10 @@
-//! What networks read that no renderer gives: made of positions and the effect's radius, for the whole image,
-//! before any part is cut out of it. A network so reads nothing that depends on where the camera stands or
-//! how large the scene is.
+//! What networks read that no renderer gives, made for the whole image, before any part is cut out of it: of
+//! positions and the effect's radius, and of what filters of light go by. A network so reads nothing that
+//! depends on where the camera stands or how large the scene is.
 //!
 //! In a shader each of them is a few lines: `forward/host.md` says for other engines what they hold.
+
+mod filters;
 
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
 use rayon::prelude::*;
@@ -19,60 +21,102 @@ const LEAST_PIXELS: f32 = 0.25;
 /// that reaches `radius` metres. What was there before comes first.
 ///
 /// # Errors
-/// If something is wanted and positions or validity are not there to make it of.
+/// If something is wanted and what it is made of is not there.
 pub fn with_made(gbuffer: &GBuffer, wanted: &[Attribute], radius: f32) -> Result<GBuffer, MissingAttribute> {
-    let is_missing = |attribute: &&Attribute| {
-        matches!(attribute, Attribute::Relief | Attribute::PixelRadius | Attribute::Border)
-            && !gbuffer.attributes().contains(attribute)
-    };
+    let is_missing =
+        |attribute: &&Attribute| !attribute.made_of().is_empty() && !gbuffer.attributes().contains(attribute);
     let missing: Vec<Attribute> = wanted.iter().filter(is_missing).copied().collect();
     if missing.is_empty() {
         return Ok(gbuffer.clone());
     }
     let seen = gbuffer.seen()?;
-    let depth: Vec<f32> = {
-        let z = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Position)? + 2);
-        z.iter().zip(&seen).map(|(z, seen)| if *seen { -z } else { 0.0 }).collect()
-    };
-    let focal_length = gbuffer.focal_length()?;
-    let (height, width) = (gbuffer.height(), gbuffer.width());
+    let of_positions = missing.iter().any(|attribute| attribute.made_of().contains(&Attribute::Position));
+    let points = if of_positions { Some(Points::of(gbuffer, &seen)?) } else { None };
     let mut data = Vec::new();
-    let rows = |row: &(dyn Fn(usize, &mut [f32]) + Sync)| {
-        let mut plane = vec![0.0; height * width];
-        plane.par_chunks_exact_mut(width).enumerate().for_each(|(y, out)| row(y, out));
-        plane
-    };
-    let depths = |y: usize| &depth[y * width..][..width];
     for attribute in &missing {
-        match attribute {
-            Attribute::Relief => {
-                let pyramid = Pyramid::of(&depth, height, width);
-                for level in RELIEF_LEVELS {
-                    let level = pyramid.level(level, width);
-                    data.extend(rows(&|y, out| level.relief(depths(y), y, radius, out)));
-                }
-            }
-            Attribute::PixelRadius => data.extend(rows(&|y, out| {
-                for (out, depth) in out.iter_mut().zip(depths(y)).filter(|(_, depth)| **depth > 0.0) {
-                    let pixels = pixel_radius(*depth, radius, focal_length);
-                    *out = pixels.max(LEAST_PIXELS).log2() / OCTAVES;
-                }
-            })),
-            _ => data.extend(rows(&|y, out| {
-                for (x, (out, depth)) in out.iter_mut().zip(depths(y)).enumerate() {
-                    let border = y.min(x).min(height - 1 - y).min(width - 1 - x) as f32 + 0.5;
-                    let share = border / pixel_radius(*depth, radius, focal_length);
-                    *out = if *depth > 0.0 { share.min(1.0) } else { 0.0 };
-                }
-            })),
-        }
+        data.extend(match (attribute, &points) {
+            (Attribute::SignedCircle, _) => filters::signed_circles(gbuffer, &seen)?,
+            (Attribute::Movement, _) => filters::movements(gbuffer, &seen)?,
+            (Attribute::Relief, Some(points)) => points.relief(radius),
+            (Attribute::PixelRadius, Some(points)) => points.pixel_radii(radius),
+            (Attribute::Border, Some(points)) => points.borders(radius),
+            (_, Some(points)) => points.free_paths(gbuffer)?,
+            (_, None) => Vec::new(),
+        });
     }
     Ok(gbuffer.with(&missing, &data))
 }
 
-/// How many pixels `radius` metres cover at a depth.
-fn pixel_radius(depth: f32, radius: f32, focal_length: f32) -> f32 {
-    focal_length * radius / depth.max(f32::MIN_POSITIVE)
+/// What is seen, as positions say.
+struct Points {
+    height: usize,
+    width: usize,
+    /// Depths, metres; 0 where nothing is seen.
+    depth: Vec<f32>,
+    focal_length: f32,
+}
+
+impl Points {
+    fn of(gbuffer: &GBuffer, seen: &[bool]) -> Result<Self, MissingAttribute> {
+        let z = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Position)? + 2);
+        let depth = z.iter().zip(seen).map(|(z, seen)| if *seen { -z } else { 0.0 }).collect();
+        let focal_length = gbuffer.focal_length()?;
+        Ok(Self { height: gbuffer.height(), width: gbuffer.width(), depth, focal_length })
+    }
+
+    /// A plane, row by row: each is written from its depths and its number.
+    fn plane(&self, write: impl Fn(&[f32], usize, &mut [f32]) + Sync) -> Vec<f32> {
+        let mut plane = vec![0.0; self.height * self.width];
+        let rows = plane.par_chunks_exact_mut(self.width).enumerate();
+        rows.for_each(|(y, out)| write(&self.depth[y * self.width..][..self.width], y, out));
+        plane
+    }
+
+    fn relief(&self, radius: f32) -> Vec<f32> {
+        let pyramid = Pyramid::of(&self.depth, self.height, self.width);
+        let at = |level| {
+            let level = pyramid.level(level, self.width);
+            self.plane(|depths, y, out| level.relief(depths, y, radius, out))
+        };
+        RELIEF_LEVELS.into_iter().flat_map(at).collect()
+    }
+
+    fn pixel_radii(&self, radius: f32) -> Vec<f32> {
+        self.plane(|depths, _, out| {
+            for (out, depth) in out.iter_mut().zip(depths).filter(|(_, depth)| **depth > 0.0) {
+                *out = logarithm(pixels(*depth, radius, self.focal_length));
+            }
+        })
+    }
+
+    fn borders(&self, radius: f32) -> Vec<f32> {
+        self.plane(|depths, y, out| {
+            for (x, (out, depth)) in out.iter_mut().zip(depths).enumerate() {
+                let border = y.min(x).min(self.height - 1 - y).min(self.width - 1 - x) as f32 + 0.5;
+                let share = border / pixels(*depth, radius, self.focal_length);
+                *out = if *depth > 0.0 { share.min(1.0) } else { 0.0 };
+            }
+        })
+    }
+
+    fn free_paths(&self, gbuffer: &GBuffer) -> Result<Vec<f32>, MissingAttribute> {
+        let of = gbuffer.select(&[Attribute::MeanFreePath])?;
+        let value = |(path, depth): (&f32, &f32)| match *depth > 0.0 {
+            true => logarithm(pixels(*depth, *path, self.focal_length)),
+            false => 0.0,
+        };
+        Ok((0..of.channels()).flat_map(|c| of.plane(c).iter().zip(&self.depth).map(value)).collect())
+    }
+}
+
+/// A number of pixels as networks read those that range over many octaves.
+fn logarithm(pixels: f32) -> f32 {
+    pixels.max(LEAST_PIXELS).log2() / OCTAVES
+}
+
+/// How many pixels a length covers at a depth.
+fn pixels(depth: f32, length: f32, focal_length: f32) -> f32 {
+    focal_length * length / depth.max(f32::MIN_POSITIVE)
 }
 
 /// A number as one between -1 and 1, small ones as they are.

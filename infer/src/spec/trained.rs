@@ -1,6 +1,6 @@
 //! What a network was trained on, and what of a frame lies outside of that.
 
-use deepshade_shaders::{Attribute, GBuffer, MissingAttribute};
+use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -18,10 +18,12 @@ pub enum TrainedUnder {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trained {
-    /// Radius of the effect in pixels at a pixel's depth, least and most.
+    /// How many pixels the effect reaches at a pixel's depth, least and most: the radius, or what a filter of
+    /// light goes by, its circle of confusion, movement or mean free path.
     pub pixels: [f32; 2],
-    /// Depth of a pixel in radii of the effect.
-    pub depths: [f32; 2],
+    /// Depth of a pixel in radii of the effect, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depths: Option<[f32; 2]>,
     /// Rows of the frames.
     pub rows: [usize; 2],
 }
@@ -29,7 +31,7 @@ pub struct Trained {
 /// What of a frame a network has not seen the like of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outside {
-    /// Share of the pixels that show a surface whose radius in pixels is out of range.
+    /// Share of the pixels that show a surface at which the effect's reach is out of range.
     pub pixels: f32,
     /// Share of them whose depth is.
     pub depths: f32,
@@ -56,30 +58,39 @@ impl fmt::Display for TrainedUnder {
 }
 
 impl Trained {
-    /// The ranges of some frames, each with its effect's radius, metres; none where no surface is seen.
+    /// The ranges of some frames of an effect, each with its radius, metres; none where no surface is seen or
+    /// nothing tells how far the effect reaches.
     ///
     /// # Errors
-    /// If a frame has no positions.
+    /// If a frame has not what tells that.
     pub fn of<'a>(
+        effect: Effect,
         frames: impl IntoIterator<Item = (&'a GBuffer, f32)>,
     ) -> Result<Option<Self>, MissingAttribute> {
         let (mut pixels, mut depths, mut rows) = (Vec::new(), Vec::new(), [usize::MAX, 0]);
         for (gbuffer, radius) in frames {
-            let (in_pixels, in_depths) = of_pixels(gbuffer, radius)?;
-            pixels.extend(in_pixels);
-            depths.extend(in_depths);
+            let reach = ReachOfPixels::of(effect, gbuffer, radius)?;
+            pixels.extend(reach.pixels);
+            depths.extend(reach.depths);
             rows = [rows[0].min(gbuffer.height()), rows[1].max(gbuffer.height())];
         }
-        let ranges = most_of(pixels).zip(most_of(depths));
-        Ok(ranges.map(|(pixels, depths)| Self { pixels, depths, rows }))
+        let depths = most_of(depths);
+        // What a filter hardly changes is like what it leaves as it is.
+        let least = |[least, most]: [f32; 2]| [if depths.is_some() { least } else { 0.0 }, most];
+        Ok(most_of(pixels).map(|pixels| Self { pixels: least(pixels), depths, rows }))
     }
 
     /// What of a frame is outside, for an effect that reaches `radius` metres.
     ///
     /// # Errors
-    /// If the frame has no positions.
-    pub fn outside(&self, gbuffer: &GBuffer, radius: f32) -> Result<Outside, MissingAttribute> {
-        let (pixels, depths) = of_pixels(gbuffer, radius)?;
+    /// If the frame has not what tells how far the effect reaches.
+    pub fn outside(
+        &self,
+        effect: Effect,
+        gbuffer: &GBuffer,
+        radius: f32,
+    ) -> Result<Outside, MissingAttribute> {
+        let ReachOfPixels { pixels, depths } = ReachOfPixels::of(effect, gbuffer, radius)?;
         let share = |values: &[f32], [least, most]: [f32; 2]| {
             let outside = values.iter().filter(|value| !(least / SLACK..=most * SLACK).contains(*value));
             outside.count() as f32 / values.len().max(1) as f32
@@ -87,7 +98,8 @@ impl Trained {
         let height = gbuffer.height();
         let [least, most] = self.rows;
         let rows = height * SLACK_OF_ROWS < least || height > most.saturating_mul(SLACK_OF_ROWS);
-        Ok(Outside { pixels: share(&pixels, self.pixels), depths: share(&depths, self.depths), rows })
+        let depths = self.depths.map_or(0.0, |range| share(&depths, range));
+        Ok(Outside { pixels: share(&pixels, self.pixels), depths, rows })
     }
 }
 
@@ -100,10 +112,10 @@ impl Outside {
         if self.pixels > NOTICEABLE {
             let share = percent(self.pixels);
             let range = range(trained.pixels);
-            parts.push(format!("the radius of {share} % of the pixels is not {range} pixels"));
+            parts.push(format!("the effect's reach at {share} % of the pixels is not {range} pixels"));
         }
-        if self.depths > NOTICEABLE {
-            let (share, range) = (percent(self.depths), range(trained.depths));
+        if let Some(depths) = trained.depths.filter(|_| self.depths > NOTICEABLE) {
+            let (share, range) = (percent(self.depths), range(depths));
             parts.push(format!("the depth of {share} % of them is not {range} radii"));
         }
         if self.rows {
@@ -114,13 +126,60 @@ impl Outside {
     }
 }
 
-/// Of every pixel that shows a surface the radius in pixels, and the depth in radii.
-fn of_pixels(gbuffer: &GBuffer, radius: f32) -> Result<(Vec<f32>, Vec<f32>), MissingAttribute> {
-    let focal_length = gbuffer.focal_length()?;
-    let z = gbuffer.planes().plane(gbuffer.first_plane(Attribute::Position)? + 2);
+/// How far an effect reaches at the pixels that show a surface.
+struct ReachOfPixels {
+    /// In pixels.
+    pixels: Vec<f32>,
+    /// Their depths in radii, of an effect that has a radius.
+    depths: Vec<f32>,
+}
+
+impl ReachOfPixels {
+    fn of(effect: Effect, gbuffer: &GBuffer, radius: f32) -> Result<Self, MissingAttribute> {
+        let filter = |pixels| Self { pixels, depths: Vec::new() };
+        match effect {
+            Effect::Aa => Ok(filter(Vec::new())),
+            Effect::Dof => {
+                let of = [Attribute::Blurriness, Attribute::Depth];
+                where_seen(gbuffer, &of, |of| (of[0] / of[1]).abs()).map(filter)
+            }
+            Effect::MotionBlur => where_seen(gbuffer, &[Attribute::Motion], |of| of[1]).map(filter),
+            Effect::Sss => {
+                let focal_length = gbuffer.focal_length()?;
+                let of = [Attribute::MeanFreePath, Attribute::Position];
+                let longest = |of: &[f32]| of[0].max(of[1]).max(of[2]) * focal_length / -of[5];
+                where_seen(gbuffer, &of, longest).map(filter)
+            }
+            _ => {
+                let focal_length = gbuffer.focal_length()?;
+                let depths = where_seen(gbuffer, &[Attribute::Position], |of| -of[2] / radius)?;
+                let depths: Vec<f32> = depths.into_iter().filter(|depth| *depth > 0.0).collect();
+                let pixels = depths.iter().map(|depth| focal_length / depth).collect();
+                Ok(Self { pixels, depths })
+            }
+        }
+    }
+}
+
+/// What the numbers of attributes come to at each pixel that shows a surface, where that is finite and not
+/// negative.
+fn where_seen(
+    gbuffer: &GBuffer,
+    of: &[Attribute],
+    value: impl Fn(&[f32]) -> f32,
+) -> Result<Vec<f32>, MissingAttribute> {
+    let planes = gbuffer.select(of)?;
     let seen = gbuffer.seen()?;
-    let depths = || z.iter().zip(&seen).filter(|(z, seen)| **seen && **z < 0.0).map(|(z, _)| -z / radius);
-    Ok((depths().map(|depth| focal_length / depth).collect(), depths().collect()))
+    let mut numbers = vec![0.0; planes.channels()];
+    let mut values = Vec::new();
+    for pixel in (0..seen.len()).filter(|pixel| seen[*pixel]) {
+        for (channel, number) in numbers.iter_mut().enumerate() {
+            *number = planes.plane(channel)[pixel];
+        }
+        values.push(value(&numbers));
+    }
+    values.retain(|value| value.is_finite() && *value >= 0.0);
+    Ok(values)
 }
 
 /// The least and the most of values, without the outermost.
@@ -150,25 +209,44 @@ mod tests {
     #[test]
     fn what_was_trained_on_is_inside_and_what_is_far_from_it_is_not() {
         let (near, far) = (wall(64, 1.0), wall(96, 4.0));
-        let trained = Trained::of([(&near, 0.5), (&far, 0.5)]).expect("positions").expect("surfaces");
+        let frames = [(&near, 0.5), (&far, 0.5)];
+        let trained = Trained::of(Effect::Ao, frames).expect("positions").expect("surfaces");
+        let depths = trained.depths.expect("there is a radius");
+        let outside =
+            |gbuffer: &GBuffer, radius| trained.outside(Effect::Ao, gbuffer, radius).expect("positions");
         assert_eq!(trained.rows, [64, 96]);
         let close = |[a, b]: [f32; 2], [c, d]: [f32; 2]| (a - c).abs() < 1e-3 && (b - d).abs() < 1e-3;
-        assert!(close(trained.pixels, [8.0, 32.0]) && close(trained.depths, [2.0, 8.0]), "{trained:?}");
-        let inside = trained.outside(&near, 0.4).expect("positions");
+        assert!(close(trained.pixels, [8.0, 32.0]) && close(depths, [2.0, 8.0]), "{trained:?}");
+        let inside = outside(&near, 0.4);
         assert_eq!((inside.pixels, inside.rows, inside.warning(&trained)), (0.0, false, None));
-        let rows =
-            [31, 32, 192, 193].map(|rows| trained.outside(&wall(rows, 1.0), 0.5).expect("positions").rows);
+        let rows = [31, 32, 192, 193].map(|rows| outside(&wall(rows, 1.0), 0.5).rows);
         assert_eq!(rows, [true, false, false, true], "half and twice as many are like those");
-        let outside = trained.outside(&wall(31, 1.0), 5.0).expect("positions");
+        let outside = outside(&wall(31, 1.0), 5.0);
         assert_eq!((outside.pixels, outside.depths, outside.rows), (1.0, 1.0, true));
         let warning = outside.warning(&trained).expect("it is unlike");
-        assert!(warning.contains("radius of 100 % of the pixels is not 8 to 32 pixels"), "{warning}");
+        assert!(warning.contains("reach at 100 % of the pixels is not 8 to 32 pixels"), "{warning}");
         assert!(warning.contains("64 to 96 rows"), "{warning}");
     }
 
     #[test]
     fn nothing_seen_has_no_range() {
         let nothing = GBuffer::new(vec![Attribute::Position, Attribute::Valid], Planes::filled(4, 2, 2, 0.0));
-        assert_eq!(Trained::of([(&nothing, 1.0)]), Ok(None));
+        assert_eq!(Trained::of(Effect::Ao, [(&nothing, 1.0)]), Ok(None));
+    }
+
+    #[test]
+    fn a_lens_that_blurs_farther_than_those_of_training_is_outside_and_one_in_focus_is_not() {
+        let frame = |circle: f32| {
+            let value = |c: usize, _: usize, x: usize| [circle * x as f32 / 63.0 * 2.0, 2.0, 1.0][c];
+            let attributes = vec![Attribute::Blurriness, Attribute::Depth, Attribute::Valid];
+            GBuffer::new(attributes, Planes::from_fn(3, 64, 64, value))
+        };
+        let trained = Trained::of(Effect::Dof, [(&frame(16.0), 1.0)]).expect("a lens").expect("surfaces");
+        assert_eq!((trained.pixels[0], trained.depths), (0.0, None));
+        assert!((15.0..=16.0).contains(&trained.pixels[1]), "{trained:?}");
+        let outside = |circle: f32| trained.outside(Effect::Dof, &frame(circle), 1.0).expect("a lens").pixels;
+        assert_eq!((outside(0.0), outside(16.0)), (0.0, 0.0));
+        assert!((0.7..0.8).contains(&outside(-80.0)), "{}", outside(-80.0));
+        assert_eq!(Trained::of(Effect::Aa, [(&frame(16.0), 1.0)]), Ok(None), "nothing of a frame matters");
     }
 }

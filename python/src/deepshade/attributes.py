@@ -12,6 +12,7 @@ VECTOR = ("X", "Y", "Z")
 COLOUR = ("R", "G", "B")
 MOTION = ("direction", "length")
 SCALES = ("4", "16", "64")
+DOUBLED_ANGLE = ("X", "Y")
 SCALAR = ("",)
 
 #: Pixels count by the eight.
@@ -71,8 +72,18 @@ ATTRIBUTES: dict[str, Attribute] = {
         Attribute("relief", SCALES),
         Attribute("pixel-radius", SCALAR),
         Attribute("border", SCALAR),
+        Attribute("signed-circle", SCALAR),
+        Attribute("movement", DOUBLED_ANGLE),
+        Attribute("free-path-pixels", COLOUR),
     )
 }
 
-#: What follows from positions and the radius.
-MADE = ("relief", "pixel-radius", "border")
+#: What follows from other attributes and the radius, and from which.
+MADE_OF = {
+    "relief": ("position",),
+    "pixel-radius": ("position",),
+    "border": ("position",),
+    "signed-circle": ("blurriness", "depth"),
+    "movement": ("motion",),
+    "free-path-pixels": ("mean-free-path", "position"),
+}

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from deepshade.attributes import ATTRIBUTES, COLOUR, MADE
+from deepshade.attributes import ATTRIBUTES, COLOUR, MADE_OF
 from deepshade.made import made
 from deepshade.spec import NetSpec
 
@@ -22,16 +22,16 @@ MOST = 1e18
 
 def needed(spec: NetSpec) -> list[str]:
     """The layers that a network's input is made of."""
-    layers = [ATTRIBUTES[name].layer for name in spec.inputs if name not in MADE]
-    made_of = ["position"] if any(name in MADE for name in spec.inputs) else []
-    return list(dict.fromkeys([*layers, *made_of, "valid"]))
+    read = [name for name in spec.inputs if name not in MADE_OF]
+    made_of = [source for name in spec.inputs for source in MADE_OF.get(name, ())]
+    return list(dict.fromkeys([ATTRIBUTES[name].layer for name in [*read, *made_of]] + ["valid"]))
 
 
 def network_input(layers: Mapping[str, Tensor], radius: float, spec: NetSpec) -> tuple[Tensor, Tensor]:
     """What all runs read, `[runs, input channels, height, width]`, and what their image is divided by.
 
     `layers` are 32-bit floats `[channels, height, width]`, those that are `needed`; `radius` is how far the
-    effect reaches, metres. Every channel is 0 where no surface is seen.
+    effect reaches, metres. Every channel is 0 where no surface is seen, but for what is seen everywhere.
     """
     seen = layers["valid"] > 0.5
     layers = dict(layers) | made(spec.inputs, layers, radius)
@@ -44,15 +44,26 @@ def network_input(layers: Mapping[str, Tensor], radius: float, spec: NetSpec) ->
             attribute = ATTRIBUTES[name]
             powers = torch.tensor([2.0**exponent for exponent in attribute.exponents()])
             values = layers[attribute.layer] * (factors[attribute.scale] * powers)[:, None, None]
+            if not is_everywhere(name, spec):
+                values = torch.where(seen, values, 0.0)
             mono = spec.colour == "mono" and attribute.components is COLOUR
             channels.append(values[run : run + 1] if mono else values)
-        runs.append(torch.where(seen, torch.cat(channels), 0.0))
+        runs.append(torch.cat(channels))
     return torch.stack(runs), light
+
+
+def is_everywhere(name: str, spec: NetSpec) -> bool:
+    """Whether an input is read where no surface is seen, too."""
+    return name == "estimate" and spec.definition.background is None
 
 
 def exposure(layers: Mapping[str, Tensor], spec: NetSpec) -> Tensor:
     """What the light of a frame is multiplied by; 1 where the network reads none."""
-    lights = [layers[ATTRIBUTES[name].layer] for name in spec.inputs if ATTRIBUTES[name].scale == "light"]
+    names = [name for name in spec.inputs if ATTRIBUTES[name].scale == "light"]
+    if "light" in names:
+        # An estimate that is made of the frame's light is made after that is exposed.
+        names = [name for name in names if name != "estimate"]
+    lights = [layers[ATTRIBUTES[name].layer] for name in names]
     if not lights:
         return torch.tensor(1.0)
     values = torch.cat([light.flatten() for light in lights])

@@ -200,8 +200,9 @@ def _estimate(value: Any, place: str) -> Estimate:
 
 
 def _trained(value: Any, place: str) -> dict[str, Any]:
-    fields = {"pixels": _list(_number, 2), "depths": _list(_number, 2), "rows": _list(_count, 2)}
-    return {name: list(field) for name, field in _record(value, place, fields).items()}
+    required = {"pixels": _list(_number, 2), "rows": _list(_count, 2)}
+    optional = {"depths": _list(_number, 2)}
+    return {name: list(field) for name, field in _record(value, place, required, optional).items()}
 
 
 def _environment(value: Any, place: str) -> dict[str, Any]:

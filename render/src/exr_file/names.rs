@@ -69,7 +69,9 @@ fn spellings(channel: Channel) -> Vec<String> {
         AttributeKind::CameraVector | AttributeKind::WorldVector => &["R", "G", "B"],
         AttributeKind::Colour => &["X", "Y", "Z"],
         AttributeKind::Scalar => return scalar_spellings(layer),
-        AttributeKind::Motion | AttributeKind::Scales => return vec![channel.to_string()],
+        AttributeKind::Motion | AttributeKind::Scales | AttributeKind::DoubledAngle => {
+            return vec![channel.to_string()];
+        }
     };
     vec![channel.to_string(), format!("{layer}.{}", others[channel.component])]
 }

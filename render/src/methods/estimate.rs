@@ -2,7 +2,7 @@
 
 use super::{Quality, all};
 use crate::bvh::TracedScene;
-use crate::scene::Camera;
+use crate::scene::{Camera, Lens};
 use crate::screen::{About, PlainInputs, ScreenMethod, Technique, View};
 use deepshade_shaders::effect::LitBy;
 use deepshade_shaders::gpu::Gpu;
@@ -71,10 +71,14 @@ fn reads_scene(about: &About) -> bool {
     about.looks_beyond || about.effect.lit_by() == LitBy::Environment
 }
 
-/// Whether networks read a method's images: of `ao` those of the screen alone, which are blurred last, and
-/// of light those that follow from the scene, which are there before light is exposed.
+/// Whether networks read a method's images: of `ao` those of the screen alone, which are blurred last; of
+/// filters of light all; of other light those that follow from the scene, which are there before light is
+/// exposed.
 fn makes_estimates(about: &About) -> bool {
-    reads_scene(about) != (about.effect == Effect::Ao)
+    match about.effect {
+        Effect::Ao => !reads_scene(about),
+        effect => effect.definition().filters_light || reads_scene(about),
+    }
 }
 
 impl Estimator {
@@ -143,8 +147,8 @@ impl Estimator {
         self.about().looks_beyond
     }
 
-    /// Its passes as an engine runs them from files, into buffers that are called as what it makes; none of
-    /// a method that has to know the scene.
+    /// Its passes as an engine runs them from files, into buffers that are called as what it makes, of a
+    /// method of `ao`; none of others.
     pub fn host_passes(&self) -> Option<HostPasses> {
         match (self.reads_scene(), self.makes()) {
             (false, [image, raw]) => self.technique.host_passes(raw.name(), image.name()),
@@ -172,8 +176,7 @@ impl Estimator {
             true => Some(inputs.scene.ok_or_else(|| self.wants_scene())?),
             false => None,
         };
-        let seen = view(inputs)?;
-        let view = View { camera: scene.map_or(seen.camera, |(_, camera)| *camera), ..seen };
+        let view = inputs.view();
         let environment = scene.and_then(|(scene, _)| scene.scene().environment.as_deref());
         let plain =
             PlainInputs { gbuffer: inputs.gbuffer, environment, scene: scene.map(|(scene, _)| scene) };
@@ -202,21 +205,31 @@ pub fn with_estimates(
     Ok(with)
 }
 
-/// The view of a g-buffer whose camera is not known: what positions say of it, which is all that these
-/// methods want to know.
-fn view(inputs: &EstimateInputs<'_>) -> Result<View, MissingAttribute> {
-    let EstimateInputs { gbuffer, radius, seed, .. } = *inputs;
-    let (height, width) = (gbuffer.height(), gbuffer.width());
-    let vertical_fov = 2.0 * (0.5 * height as f32 / gbuffer.focal_length()?).atan();
-    let camera = Camera { vertical_fov, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
-    Ok(View { height, width, camera, radius, seed })
+impl EstimateInputs<'_> {
+    /// From where the g-buffer is seen: its camera where that is known, else what positions and blurriness
+    /// say of one, which is all that methods of the screen want to know.
+    pub fn view(&self) -> View {
+        let Self { gbuffer, radius, seed, scene } = *self;
+        let (height, width) = (gbuffer.height(), gbuffer.width());
+        let camera = scene.map_or_else(|| seen_by(gbuffer), |(_, camera)| *camera);
+        View { height, width, camera, radius, seed }
+    }
+}
+
+/// A camera as far as a g-buffer tells its angle of view and its lens.
+fn seen_by(gbuffer: &GBuffer) -> Camera {
+    let focal_length = gbuffer.focal_length().unwrap_or(1.0);
+    let vertical_fov = 2.0 * (0.5 * gbuffer.height() as f32 / focal_length).atan();
+    let lens = gbuffer.blur_and_focus().ok().flatten();
+    let lens = lens.map(|[blur, focus]| Lens { radius: blur * focus / focal_length, focus });
+    Camera { vertical_fov, lens, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::method::{Frame, Repeats};
-    use crate::methods::proving::{beyond, still_life, view as seen};
+    use crate::methods::proving::{Tolerance, agree, beyond, everything, still_life, view as seen};
     use crate::methods::{Surface, gtao, march};
     use crate::scene::procedural::{Family, sky};
     use deepshade_shaders::Planes;
@@ -247,6 +260,25 @@ mod tests {
             Ok(with.clone()),
             "made once"
         );
+    }
+
+    #[test]
+    fn a_filter_of_light_needs_neither_scene_nor_camera() {
+        let (scene, view, gbuffer) = everything(48, 64);
+        let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+        let frame =
+            Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 3 };
+        let filters =
+            [(Effect::Dof, "ring-gather"), (Effect::MotionBlur, "reconstruction"), (Effect::Aa, "fxaa")];
+        for (effect, method) in filters {
+            let estimators = estimators(&[(effect, method)]);
+            let expected = estimators[0].on(&gpu).shade_in_passes(&frame, Repeats::ONCE).expect("shades");
+            let inputs = EstimateInputs { gbuffer: &gbuffer, radius: view.radius, seed: 3, scene: None };
+            let with = with_estimates(&inputs, &estimators).expect("estimates");
+            let made = with.select(&[Attribute::Estimate]).expect("it was made");
+            // Rounding now and then puts a sample on the neighbouring pixel.
+            agree(&made, &expected.image, Tolerance { usual: 1e-3, worst: 10.0 }).expect(method);
+        }
     }
 
     #[test]

@@ -8,8 +8,8 @@ use super::shafts::{Integration, Shafts};
 use super::subsurface::FromScreen;
 use super::{
     Quality, aov, composed, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar, gtao,
-    hbao, min_max, phosphor, prefiltered, ray_march, reconstruction, ring_gather, screen_truth, separable,
-    ssdo, ssgi, surfel, volume_shell,
+    hbao, min_max, occluded_gather, phosphor, prefiltered, ray_march, reconstruction, ring_gather,
+    screen_truth, separable, ssdo, ssgi, surfel, volume_shell,
 };
 use crate::method::Method;
 use crate::screen::{ScreenMethod, Technique};
@@ -102,6 +102,7 @@ fn entries() -> Vec<Entry> {
         screen(gather::GatherParameters::of, FromScreen),
         disks(surfel::SurfelParameters::of, surfel::scattering::SCATTERING),
         screen(ring_gather::RingGatherParameters::of, identity),
+        screen(occluded_gather::OccludedGatherParameters::of, identity),
         screen(reconstruction::ReconstructionParameters::of, identity),
         screen(fxaa::FxaaParameters::of, identity),
         screen(volume_shell::VolumeShellParameters::of, volume_shell::direct::Direct),

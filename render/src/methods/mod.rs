@@ -25,6 +25,7 @@ pub mod lobe;
 pub mod lpv;
 pub mod march;
 pub mod min_max;
+pub mod occluded_gather;
 pub mod phosphor;
 mod picture;
 pub mod prefiltered;

@@ -70,7 +70,10 @@ fn value(attribute: Attribute) -> &'static str {
         | Attribute::Estimate
         | Attribute::Relief
         | Attribute::PixelRadius
-        | Attribute::Border => unreachable!("no scene has it"),
+        | Attribute::Border
+        | Attribute::SignedCircle
+        | Attribute::Movement
+        | Attribute::FreePathPixels => unreachable!("no scene has it"),
     }
 }
 

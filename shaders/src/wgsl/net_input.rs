@@ -21,12 +21,20 @@ pub const FIRST_ATTRIBUTE: u32 = 4;
 pub enum InputChannel {
     /// One of an attribute, scaled.
     Of(Attribute, TextureChannel),
+    /// The same, where no surface is seen, too.
+    Everywhere(Attribute, TextureChannel),
     /// [`Attribute::Relief`] at one of its scales, from 0.
     Relief(u32),
     /// [`Attribute::PixelRadius`].
     PixelRadius,
     /// [`Attribute::Border`].
     Border,
+    /// [`Attribute::SignedCircle`].
+    SignedCircle,
+    /// A component of [`Attribute::Movement`].
+    Movement(usize),
+    /// A component of [`Attribute::FreePathPixels`], or that which the run makes.
+    FreePathPixels(Option<usize>),
 }
 
 /// A pass that writes some channels of a network's input, one after the other.
@@ -43,14 +51,10 @@ impl InputPass {
     pub fn attributes(&self) -> Vec<Attribute> {
         let mut attributes = Vec::new();
         for channel in &self.channels {
-            let attribute = match channel {
-                InputChannel::Of(attribute, _) => *attribute,
-                InputChannel::Relief(_) | InputChannel::PixelRadius | InputChannel::Border => {
-                    Attribute::Position
+            for attribute in channel.reads() {
+                if *attribute != Attribute::Valid && !attributes.contains(attribute) {
+                    attributes.push(*attribute);
                 }
-            };
-            if attribute != Attribute::Valid && !attributes.contains(&attribute) {
-                attributes.push(attribute);
             }
         }
         attributes
@@ -83,8 +87,20 @@ impl InputPass {
         if self.reads_squares() {
             files.push("shared/net_relief");
         }
-        if self.channels.iter().any(|c| matches!(c, InputChannel::PixelRadius | InputChannel::Border)) {
+        let in_pixels = |channel: &InputChannel| {
+            matches!(
+                channel,
+                InputChannel::PixelRadius | InputChannel::Border | InputChannel::FreePathPixels(_)
+            )
+        };
+        if self.channels.iter().any(in_pixels) {
             files.push("shared/net_pixel_radius");
+        }
+        let of_filters = |channel: &InputChannel| {
+            matches!(channel, InputChannel::SignedCircle | InputChannel::Movement(_))
+        };
+        if self.channels.iter().any(of_filters) {
+            files.push("shared/net_filters");
         }
         files
     }
@@ -92,33 +108,73 @@ impl InputPass {
     /// The function that writes the channels of a pixel.
     fn writes(&self) -> String {
         let mut body = "    let seen = surface_valid(pixel);\n".to_owned();
-        if !self.channels.iter().all(|channel| matches!(channel, InputChannel::Of(..))) {
+        if self.channels.iter().any(|channel| channel.made_of().contains(&Attribute::Position)) {
             let position = planes(Attribute::Position);
             writeln!(body, "    let depth = select(0.0, -{position}[pixel + 2u * pixels], seen);")
                 .expect("writing to a string");
         }
         for (index, channel) in (self.first..).zip(&self.channels) {
-            let value = channel.value();
-            writeln!(body, "    input[pixel + {index}u * pixels] = select(0.0, {value}, seen);")
-                .expect("writing to a string");
+            let value = match channel {
+                InputChannel::Everywhere(..) => channel.value(),
+                _ => format!("select(0.0, {}, seen)", channel.value()),
+            };
+            writeln!(body, "    input[pixel + {index}u * pixels] = {value};").expect("writing to a string");
         }
         format!("\nfn write_channels(at: vec2u, pixel: u32, pixels: u32) {{\n{body}}}\n")
     }
 }
 
 impl InputChannel {
+    /// The attributes that it is read from.
+    fn reads(&self) -> &[Attribute] {
+        match self {
+            Self::Of(attribute, _) | Self::Everywhere(attribute, _) => std::slice::from_ref(attribute),
+            _ => self.made_of(),
+        }
+    }
+
+    /// The attributes that it is made of, where it is no attribute of a renderer's or a method's.
+    const fn made_of(&self) -> &'static [Attribute] {
+        match self {
+            Self::Of(..) | Self::Everywhere(..) => &[],
+            Self::Relief(_) => Attribute::Relief.made_of(),
+            Self::PixelRadius => Attribute::PixelRadius.made_of(),
+            Self::Border => Attribute::Border.made_of(),
+            Self::SignedCircle => Attribute::SignedCircle.made_of(),
+            Self::Movement(_) => Attribute::Movement.made_of(),
+            Self::FreePathPixels(_) => Attribute::FreePathPixels.made_of(),
+        }
+    }
+
     /// Its value in WGSL where a surface is seen.
     fn value(self) -> String {
         match self {
-            Self::Of(attribute, channel) => {
-                let plane = channel.component.map_or_else(|| "frame.run".to_owned(), |c| format!("{c}u"));
-                format!("{}{}[pixel + {plane} * pixels]", channel.factor("frame"), planes(attribute))
+            Self::Of(attribute, channel) | Self::Everywhere(attribute, channel) => {
+                format!("{}{}", channel.factor("frame"), element(attribute, channel.component))
             }
             Self::Relief(level) => format!("relief({level}u, at, depth)"),
             Self::PixelRadius => "pixel_radius(depth)".to_owned(),
             Self::Border => "border(at, depth)".to_owned(),
+            Self::SignedCircle => {
+                let [blurriness, depth] =
+                    [Attribute::Blurriness, Attribute::Depth].map(|of| element(of, Some(0)));
+                format!("signed_circle({blurriness}, {depth})")
+            }
+            Self::Movement(component) => {
+                let [direction, length] = [0, 1].map(|of| element(Attribute::Motion, Some(of)));
+                format!("movement({direction}, {length})[{component}]")
+            }
+            Self::FreePathPixels(component) => {
+                format!("logarithm_of_pixels({}, depth)", element(Attribute::MeanFreePath, component))
+            }
         }
     }
+}
+
+/// A pixel's number in a plane of an attribute, or in that of the run's colour.
+fn element(attribute: Attribute, component: Option<usize>) -> String {
+    let plane = component.map_or_else(|| "frame.run".to_owned(), |c| format!("{c}u"));
+    format!("{}[pixel + {plane} * pixels]", planes(attribute))
 }
 
 /// What an attribute's buffer is called.
@@ -146,7 +202,11 @@ pub(super) mod tests {
             of(Attribute::Valid, Some(0), Scale::One),
         ];
         let made = [InputChannel::Relief(2), InputChannel::PixelRadius, InputChannel::Border];
-        [&light[..], &made[..1], &made[1..], &[&light[..], &made].concat()]
+        let filters =
+            [InputChannel::SignedCircle, InputChannel::Movement(1), InputChannel::FreePathPixels(None)];
+        let estimate = channel(Some(1), Scale::Light, 0);
+        let filters = [&filters[..], &[InputChannel::Everywhere(Attribute::Estimate, estimate)]].concat();
+        [&light[..], &made[..1], &made[1..], &[&light[..], &made].concat(), &filters]
             .map(|channels| InputPass { first: 5, channels: channels.to_vec() })
             .to_vec()
     }

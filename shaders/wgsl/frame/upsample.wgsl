@@ -3,21 +3,8 @@
 
 #import shared/surface
 #import shared/surface_valid
+#import uniforms/upsampling
 #constant CHANNELS = 1
-
-/// What `frame/upsample` reads.
-struct Upsampling {
-    /// Columns of the image.
-    width: u32,
-    /// Rows of the image.
-    height: u32,
-    /// Columns of the smaller one.
-    small_width: u32,
-    /// Rows of the smaller one.
-    small_height: u32,
-    /// The image where no surface is seen.
-    background: f32,
-}
 
 @group(0) @binding(0) var<uniform> settings: Upsampling;
 // Of the smaller image, as `shared/surface` has those of the full one.
@@ -56,7 +43,8 @@ fn upsample(@builtin(global_invocation_id) id: vec3u) {
     if surface_valid(at) {
         let position = surface_position(at, pixels);
         let normal = surface_normal(at, pixels);
-        let there = (vec2f(id.xy) + 0.5) * vec2f(small) / vec2f(vec2u(settings.width, settings.height)) - 0.5;
+        let scale = vec2f(settings.columns, settings.rows);
+        let there = (vec2f(id.xy) + settings.corner) * scale - settings.corner;
         let corner = floor(there);
         let part = there - corner;
         for (var i = 0u; i < 4u; i++) {

@@ -1,4 +1,4 @@
-// The effect's radius in pixels, and the image's border.
+// Lengths in pixels, and the image's border.
 
 #import shared/net_frame
 
@@ -12,12 +12,17 @@ fn radius_in_pixels(depth: f32) -> f32 {
     return frame.focal_length * frame.radius / depth;
 }
 
-// The logarithm of that; 0 where nothing is seen.
-fn pixel_radius(depth: f32) -> f32 {
+// The logarithm of how many pixels a length covers; 0 where nothing is seen.
+fn logarithm_of_pixels(length: f32, depth: f32) -> f32 {
     if (!(depth > 0.0)) {
         return 0.0;
     }
-    return log2(max(radius_in_pixels(depth), LEAST_PIXELS)) / OCTAVES;
+    return log2(max(frame.focal_length * length / depth, LEAST_PIXELS)) / OCTAVES;
+}
+
+// That of the radius.
+fn pixel_radius(depth: f32) -> f32 {
+    return logarithm_of_pixels(frame.radius, depth);
 }
 
 // The way to the image's nearest border in radii, at most 1; 0 where nothing is seen.

@@ -8,8 +8,9 @@ use deepshade_infer::{AnalyticEstimate, ChannelOrder, Model, Reach, Weights};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::Method;
-use deepshade_render::scene::SceneSource;
+use deepshade_render::scene::{Camera, Lens, SceneSource};
 use deepshade_shaders::Effect;
+use glam::Vec3;
 
 const REACH: Reach = Reach { radius: 0.5, diagonal_share: 0.05, height: 64 };
 const SIZE: [usize; 2] = [40, 56];
@@ -36,10 +37,11 @@ fn corrected() -> Model {
 fn estimated_by_card(gpu: &Gpu, gbuffer: &GBuffer, radius: f32) -> Vec<f32> {
     let card = Card::new(gpu, &corrected().spec).expect("compiles");
     let seen = GpuGBuffer::upload(&gpu.device, gbuffer, &card.reads()).expect("room");
-    let estimate = &card.estimates(&seen, &view(gbuffer, radius)).expect("compiles")[0];
+    let view = EstimateInputs { gbuffer, radius, seed: SEED, scene: None }.view();
+    let estimate = &card.estimates(&seen, &view).expect("compiles")[0];
     gpu::submit(&gpu.device, &gpu.queue, "estimate", |encoder| estimate.encode(encoder, None)).expect("runs");
     let read = |buffer: &wgpu::Buffer| gpu::read::<f32>(&gpu.device, &gpu.queue, buffer).expect("read");
-    estimate.images().map(read).concat()
+    estimate.images().map(read).collect::<Vec<_>>().concat()
 }
 
 /// The largest difference of two images, over 1 and the number.
@@ -118,6 +120,28 @@ fn an_estimate_is_corrected_in_one_encoder_as_on_the_processor() {
     assert!(off < 2e-3, "{off}");
     assert!(difference(&by_processor(2.0), &shaded.image) > 1e-2, "another radius makes another image");
     assert!(shaded.milliseconds > 0.0 && shaded.device == gpu.info.name);
+}
+
+#[test]
+fn a_filter_of_light_is_estimated_and_exposed_on_the_card_as_on_the_processor() {
+    let gpu = Gpu::new().expect("an adapter");
+    let playground: SceneSource = "playground:3".parse().expect("a family");
+    let scene = TracedScene::new(playground.scene(0.0).expect("a scene")).expect("a scene");
+    let bounds = scene.scene().bounds();
+    let lens = Lens::new(0.02 * bounds.diagonal(), 0.4 * bounds.diagonal()).expect("a lens");
+    let camera = Camera::look_at(bounds.centre() + 0.4 * bounds.size(), bounds.centre());
+    let camera = Camera { lens: Some(lens), ..camera };
+    let gbuffer = gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL);
+    let estimate = AnalyticEstimate::new("ring-gather", "medium");
+    let spec = NetSpec::corrected(Effect::Dof, 8, vec![estimate], REACH).expect("it has one");
+    let model = random(spec);
+    let image = |learned: &Learned| learned.image(&gbuffer, 0.5, Repeats::ONCE).expect("runs").image;
+    let by_card = image(&Learned::on_adapter(&gpu, &model).expect("compiles"));
+    let by_processor = image(&Learned::on_processor(&model).expect("prepared"));
+    let both = by_processor.data().iter().zip(by_card.data());
+    let off = both.filter(|(a, b)| (*a - *b).abs() > 1e-2 * (1.0 + a.abs())).count();
+    assert!(off * 100 < by_card.data().len(), "{off} of {} values", by_card.data().len());
+    assert!(by_card.data().iter().any(|value| *value > 0.01), "a black image proves nothing");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::subject::SurfelFrame;
 use crate::stages::Cost;
 use deepshade_render::methods::disks::Disks;
 use deepshade_render::methods::surfel::{SurfelParameters, occlusion::OCCLUSION};
-use deepshade_render::screen::{MethodPasses, ScreenMethod, upsampling};
+use deepshade_render::screen::{Device, MethodPasses, ScreenMethod, upsampling};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 use deepshade_shaders::{Effect, Planes};
 use serde_json::json;
@@ -107,7 +107,10 @@ fn upsampled(
     let Gpu { device, queue, .. } = gpu;
     let (full, few) = (subject.inputs().gbuffer, half.inputs().gbuffer);
     let image = gpu::empty::<f32>(device, "bench.surfel.upsampled", full.height() * full.width())?;
-    let step = upsampling::step(device, Effect::Ao, (few, passes.output()), (full, &image))?;
+    let compiled = Device::new(device);
+    let [size, small] = [full, few].map(|of| [of.height(), of.width()]);
+    let settings = upsampling::settings(size, small, Effect::Ao);
+    let step = upsampling::step(&compiled, (Effect::Ao, &settings), (few, passes.output()), (full, &image))?;
     let record = |encoder: &mut wgpu::CommandEncoder| step.step.encode(encoder, "upsampling", None);
     let timing = gpu::time(device, queue, "upsampling", usize::from(runs > 1), runs, record)?;
     Ok((made(gpu, subject, &image)?, timing.milliseconds))

@@ -142,13 +142,15 @@ pub(super) fn card(config: &TrainConfig, trained: Trained, facts: &Facts) -> Str
     for limit in &facts.limits {
         let _ = writeln!(card, "- {limit}");
     }
+    let everywhere = spec.inputs.iter().any(|input| spec.is_everywhere(*input));
+    let but = if everywhere { ", but for `estimate`" } else { "" };
     let of = if scales_light(spec) { "; its image is of the light as scaled" } else { "" };
     let _ = write!(
         card,
         "\n## Files\n\n\
         - `weights.safetensors`, `net.json`: the weights and the network's spec.\n\
         - `model.onnx`: the same network, any batch, height and width; it reads what the WGSL pass reads:\n  \
-        channels scaled as said above, 0 in all of them where nothing is seen{of}.\n\
+        channels scaled as said above, 0 where nothing is seen{but}{of}.\n\
         - `parity.safetensors`: an input and its output, to check a runtime with.\n"
     );
     card

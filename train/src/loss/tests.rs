@@ -211,3 +211,19 @@ fn what_is_not_seen_counts_as_right_with_its_noise() {
         assert!(value.abs() < 1e-5, "{loss}: {value}");
     }
 }
+
+#[test]
+fn a_highlight_counts_no_more_than_white_does() {
+    let device = crate::device();
+    let shape = [1, 1, 16, 16];
+    let black = image(shape, |_| 0.0, &device);
+    let l2 = |highlight: f32| {
+        let target = || exact(&image(shape, |pixel| if pixel == 40 { highlight } else { 0.0 }, &device));
+        let loss = |loss: Loss| -> f32 { loss.of(black.clone(), target()).into_scalar() };
+        loss(Loss::DssimL2) - loss(Loss::Dssim)
+    };
+    assert!((l2(0.5) - 0.25 / 256.0).abs() < 1e-6, "{}", l2(0.5));
+    for highlight in [1.0, 30.0, 1000.0] {
+        assert!((l2(highlight) - 1.0 / 256.0).abs() < 1e-6, "{highlight}: {}", l2(highlight));
+    }
+}

@@ -13,7 +13,8 @@
 //!
 //! A part that a scene has nothing of takes no time: of the sky without an environment, of the medium where
 //! there is none, of phosphorescence where nothing glows. What comes from surfaces and the sky is dimmed by
-//! the medium in front of it. Surfels send all that a surface reflects, not its diffuse colour alone.
+//! the medium in front of it. Surfels send all that a surface reflects, not its diffuse colour alone. They
+//! may shade half the rows and columns ([`Halved`]).
 //!
 //! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
 //! shows lamps and nothing else. Light that was reflected more than twice is missing unless the medium
@@ -35,7 +36,7 @@ use super::lpv::in_medium::InMedium;
 use super::phosphor::RateEquationParameters;
 use super::surfel::{SurfelParameters, directional::DIRECTIONAL, indirect::INDIRECT};
 use crate::scene::{Camera, Environment, Scene};
-use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
+use crate::screen::{About, Halved, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use crate::surfels::SurfelLight;
 use bytemuck::bytes_of;
 use deepshade_shaders::gpu::GpuError;
@@ -47,6 +48,10 @@ use glam::Vec3;
 pub struct ComposedParameters {
     /// Light that surfaces reflect of other surfaces and of the sky.
     pub surfaces: SurfelParameters,
+    /// Pixels along the edge of one for which that light is made: with 2 there are half as many rows and
+    /// columns.
+    #[schemars(range(min = 1, max = 2), extend("unit" = "pixels"))]
+    pub surfaces_scale: u32,
     /// Light of lamps in the medium.
     pub shafts: FroxelParameters,
     /// All other light in the medium.
@@ -60,6 +65,7 @@ impl ComposedParameters {
     pub fn of(quality: Quality) -> Self {
         Self {
             surfaces: SurfelParameters::of(quality),
+            surfaces_scale: if quality <= Quality::Medium { 2 } else { 1 },
             shafts: FroxelParameters::of(quality),
             volume: LpvParameters::of(quality),
             phosphor: RateEquationParameters::of(quality),
@@ -68,12 +74,15 @@ impl ComposedParameters {
 
     /// The parts, in the order in which they are added.
     fn parts(&self) -> [Part; 6] {
-        let surfels = |effect| FromFar { parameters: self.surfaces, effect };
+        let surfels = |effect| -> Box<dyn Technique> {
+            let all = FromFar { parameters: self.surfaces, effect };
+            if self.surfaces_scale > 1 { Box::new(Halved(all)) } else { Box::new(all) }
+        };
         let part = |shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool| Part::new(shown, made, has);
         let has_medium = |scene: &Scene| scene.medium.is_some();
         [
-            part(Shown::Reflected, Box::new(surfels(DIMMED)), |scene| !scene.lights.is_empty()),
-            part(Shown::Reflected, Box::new(surfels(DIRECTIONAL)), |scene| scene.environment.is_some()),
+            part(Shown::Reflected, surfels(DIMMED), |scene| !scene.lights.is_empty()),
+            part(Shown::Reflected, surfels(DIRECTIONAL), |scene| scene.environment.is_some()),
             part(Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
             part(Shown::Between, Box::new(self.shafts), has_medium),
             part(Shown::Between, Box::new(InMedium::indirect(self.volume)), has_medium),
