@@ -65,7 +65,7 @@ impl ComposedParameters {
     pub fn of(quality: Quality) -> Self {
         Self {
             surfaces: SurfelParameters::of(quality),
-            surfaces_scale: if quality <= Quality::Medium { 2 } else { 1 },
+            surfaces_scale: if quality == Quality::Low { 2 } else { 1 },
             shafts: FroxelParameters::of(quality),
             volume: LpvParameters::of(quality),
             phosphor: RateEquationParameters::of(quality),
