@@ -24,7 +24,9 @@ use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use estimates::Estimates;
 pub use estimates::{SEED, estimator};
-pub use folder::{files, is_network, is_run, place, usual_folder};
+#[cfg(any(feature = "train", feature = "view"))]
+pub use folder::is_run;
+pub use folder::{files, is_network, place, usual_folder};
 use std::path::Path;
 
 pub use recorded::Recorded;
