@@ -169,7 +169,7 @@ fn all_methods_of_an_effect_are_scored_against_truth() {
         "is what others are scored against",
     );
     case.assert_refused("eval --effect sss --testset testset --curve curve.png", "of the kind .svg");
-    case.assert_refused("eval --effect sss --methods all", "no test set in models/sss/testset");
+    case.assert_refused("eval --effect aa --methods all", "no test set in models/aa/testset");
     case.assert_refused("eval --effect gi --testset testset", "is for sss, not for gi");
     case.assert_refused("eval --effect sss --methods hbao --testset testset", "has no method `hbao`");
 }

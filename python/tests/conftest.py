@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,7 @@ scramblings = {scramblings}
 radius = {{ diagonal = 0.1 }}
 views_per_scene = 2
 validation_share = 0.5
+estimates = {estimates}
 
 [[families]]
 name = "still-life"
@@ -80,10 +82,11 @@ def program(program_path: str) -> Program:
 def make_dataset(program: Program, tmp_path_factory: pytest.TempPathFactory) -> MakeDataset:
     """Makes four pairs of an effect, two of them for validation."""
 
-    def make(effect: str, vary: str = "", scramblings: int = 2) -> Path:
+    def make(effect: str, vary: str = "", scramblings: int = 2, estimates: Sequence[str] = ()) -> Path:
         folder = tmp_path_factory.mktemp(effect)
         recipe = folder / "recipe.toml"
-        recipe.write_text(RECIPE.format(effect=effect, vary=vary, scramblings=scramblings))
+        held = json.dumps(list(estimates))
+        recipe.write_text(RECIPE.format(effect=effect, vary=vary, scramblings=scramblings, estimates=held))
         program("dataset", "generate", recipe, "--out", folder / "data")
         return folder / "data"
 

@@ -71,3 +71,17 @@ def test_exposure_brings_what_is_bright_to_one() -> None:
     assert exposure({"light": torch.zeros(3, 2, 2)}, LIGHT) == 1.0
     bounced = replace(LIGHT, effect="gi")
     assert exposure(layers, bounced).item() == pytest.approx(8.0 / 990.0)
+
+
+def test_filters_go_by_circles_movements_and_free_paths_in_pixels() -> None:
+    layers = wall(4, 4, 2.0, 64.0)
+    layers |= {"depth": torch.full((1, 4, 4), 2.0), "blurriness": torch.full((1, 4, 4), -16.0)}
+    layers["motion"] = torch.stack([torch.full((4, 4), torch.pi / 2), torch.full((4, 4), 4.0)])
+    layers["mean_free_path"] = torch.full((3, 4, 4), 0.25)
+    layers["valid"][0, 0, 0] = 0.0
+    found = made(["signed-circle", "movement", "free-path-pixels"], layers, 1.0)
+    assert found["signed_circle"][0, 1, 1] == -1.0
+    assert found["movement"][:, 1, 1].tolist() == pytest.approx([-0.5, 0.0], abs=1e-6)
+    # 0.25 m at 2 m, with a focal length of 64: 8 pixels, whose logarithm is 3.
+    assert found["free_path_pixels"][:, 1, 1].tolist() == pytest.approx([0.375] * 3, abs=1e-4)
+    assert all(not values[:, 0, 0].any() for values in found.values())

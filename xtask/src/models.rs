@@ -85,6 +85,13 @@ const DOF: Task = Task {
     qualities: "low,medium,high,ultra",
 };
 
+const SSS: Task = Task {
+    stream: "sss",
+    tests: &[("testset", "sss-test")],
+    methods: "learned,separable",
+    qualities: "low,medium,high,ultra",
+};
+
 /// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where
@@ -114,7 +121,12 @@ const BUDGETS: [Budget; 14] = [
         share: None,
         streamed: None,
     },
-    Budget { name: "sss", steps: 20_000, batch: 4, crop: 128, rate: "0.002", share: None, streamed: None },
+    Budget {
+        name: "sss",
+        steps: 2_000,
+        streamed: on(&SSS, ["corrected", "16", "separable:ultra"]),
+        ..FILTER
+    },
     Budget { name: "gi", steps: 9_000, streamed: on(&GI, ["corrected", "16", "surfel:medium"]), ..CORRECTED },
     Budget {
         name: "gi-paper",
