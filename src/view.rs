@@ -101,8 +101,8 @@ pub struct Args {
     /// Moment of animations at the beginning, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// Folder, address or name of the network of `learned`, by default models/EFFECT; the folder of a training run
-    /// is followed: its weights are run from each checkpoint on.
+    /// Folder, address or name of the network of `learned`, by default models/EFFECT; the folder of a training
+    /// run is followed: its weights are run from each checkpoint on.
     #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Chooses sampled views, added lights and all other random numbers.

@@ -277,7 +277,7 @@ mod tests {
             let with = with_estimates(&inputs, &estimators).expect("estimates");
             let made = with.select(&[Attribute::Estimate]).expect("it was made");
             // Rounding now and then puts a sample on the neighbouring pixel.
-            agree(&made, &expected.image, Tolerance { usual: 1e-3, worst: 10.0 }).expect(method);
+            agree(&made, &expected.image, Tolerance { usual: 1e-3, worst: 1.0 }).expect(method);
         }
     }
 

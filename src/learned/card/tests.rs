@@ -132,16 +132,23 @@ fn a_filter_of_light_is_estimated_and_exposed_on_the_card_as_on_the_processor() 
     let camera = Camera::look_at(bounds.centre() + 0.4 * bounds.size(), bounds.centre());
     let camera = Camera { lens: Some(lens), ..camera };
     let gbuffer = gbuffer::render(&scene, &camera, SIZE[0], SIZE[1], &Attribute::ALL);
-    let estimate = AnalyticEstimate::new("ring-gather", "medium");
-    let spec = NetSpec::corrected(Effect::Dof, 8, vec![estimate], REACH).expect("it has one");
-    let model = random(spec);
-    let image = |learned: &Learned| learned.image(&gbuffer, 0.5, Repeats::ONCE).expect("runs").image;
-    let by_card = image(&Learned::on_adapter(&gpu, &model).expect("compiles"));
-    let by_processor = image(&Learned::on_processor(&model).expect("prepared"));
-    let both = by_processor.data().iter().zip(by_card.data());
-    let off = both.filter(|(a, b)| (*a - *b).abs() > 1e-2 * (1.0 + a.abs())).count();
-    assert!(off * 100 < by_card.data().len(), "{off} of {} values", by_card.data().len());
-    assert!(by_card.data().iter().any(|value| *value > 0.01), "a black image proves nothing");
+    let filters = [
+        (Effect::Dof, "ring-gather"),
+        (Effect::MotionBlur, "reconstruction"),
+        (Effect::Sss, "separable"),
+        (Effect::Multi, "occluded-gather"),
+    ];
+    for (effect, method) in filters {
+        let estimate = AnalyticEstimate::new(method, "medium");
+        let model = random(NetSpec::corrected(effect, 8, vec![estimate], REACH).expect("it has one"));
+        let image = |learned: &Learned| learned.image(&gbuffer, 0.5, Repeats::ONCE).expect("runs").image;
+        let by_card = image(&Learned::on_adapter(&gpu, &model).expect("compiles"));
+        let by_processor = image(&Learned::on_processor(&model).expect("prepared"));
+        let both = by_processor.data().iter().zip(by_card.data());
+        let off = both.filter(|(a, b)| (*a - *b).abs() > 1e-2 * (1.0 + a.abs())).count();
+        assert!(off * 100 < by_card.data().len(), "{method}: {off} of {} values", by_card.data().len());
+        assert!(by_card.data().iter().any(|value| *value > 0.01), "{method}: black proves nothing");
+    }
 }
 
 #[test]
