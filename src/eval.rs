@@ -11,6 +11,7 @@ mod paper;
 mod results;
 pub mod rivals;
 mod score;
+mod sequence;
 mod sets;
 mod tables;
 
@@ -28,7 +29,7 @@ use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Effect, lists};
 use outcome::{EvaluationOutcome, Scored};
 use results::Entry;
-use rivals::rivals;
+use rivals::{Rival, rivals};
 use score::evaluate;
 use serde_json::json;
 use sets::NamedSet;
@@ -42,12 +43,14 @@ use std::path::{Path, PathBuf};
     deepshade eval --effect ao --methods all --quality low,medium,high,ultra --curve ao.svg\n  \
     deepshade eval --effect gi --methods lpv --set cells=32,iterations=8 --set cells=64,iterations=16 --testset testsets/gi\n  \
     deepshade eval --all --testsets testsets --methods learned,gtao,ssgi,fxaa --json all.json --markdown all.md --page report\n  \
-    deepshade eval --model models/gi --testset testsets/gi --results models/results.json\n\nTest sets are made by \
+    deepshade eval --model models/gi --testset testsets/gi --results models/results.json\n  \
+    deepshade eval --model models/ao --methods learned,gtao --sequence 4 --frames 8\n\nTest sets are made by \
     `deepshade dataset testset`; that of a model that is shipped lies in its folder, \
     or several, `testset-NAME`.\n\n\
     Figures in the JSON file: METRIC_METHOD (ssim_learned, ssim_gtao, ssim_gtao_low, ...), of one of several \
     test sets METRIC_METHOD_NAME; where NAME is also a quality's, as in testset-medium, what has qualities \
-    has its own before that: ssim_gtao_high_medium. paired_METRIC is how far the network is above the best, \
+    has its own before that: ssim_gtao_high_medium. With --sequence flicker_METHOD, and truth's own change \
+    flicker_truth. paired_METRIC is how far the network is above the best, \
     by SSIM, of the methods that take at least as long on the same device, or above the slowest where none \
     does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low \
     and _high are the ends of its 95 % interval; details.paired_against says which \
@@ -92,6 +95,12 @@ pub struct Args {
     /// maybe none of these.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
+    /// Measures how much methods flicker, in place of their error: from each of the --frames, by default 12,
+    /// the camera goes aside in a sequence of so many frames, and the change of what is seen of surfaces is
+    /// held against truth's own. Truth of all of them is rendered, which takes seconds to minutes a frame.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=64))]
+    #[arg(conflicts_with_all = ["all", "curve", "results"])]
+    sequence: Option<u32>,
     /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean
     /// squared error, and 1 - SSIM.
     #[arg(long, value_parser = crate::arguments::svg_file)]
@@ -194,6 +203,9 @@ pub fn run(args: &Args) -> Result<()> {
         let is_among = is_learned_among(&args.methods);
         ensure!(inputs.network.is_some() && is_among, "--results is of networks, and there is none");
     }
+    if let Some(frames) = args.sequence {
+        return sequence::run(args, &inputs, frames as usize, &gpu);
+    }
     let outcome = evaluate_methods(&inputs, &args.methods, args, &gpu)?;
     let (effect, evaluation) = (inputs.effect, &outcome.evaluation);
     let mut figures = Figures::new("eval");
@@ -228,33 +240,40 @@ fn evaluate_methods(
     args: &Args,
     gpu: &Gpu,
 ) -> Result<EvaluationOutcome> {
-    let EvaluationInputs { effect, network, sets, .. } = inputs;
-    let model = network.as_ref().map(|(_, model)| model);
-    let tunings = tunings(&qualities(&args.quality, model.is_some() && is_learned_among(names)), &args.set);
-    let mut rivals = rivals(*effect, names, &tunings, (gpu, Runs::Fastest), model)?;
-    let fog = |set: &NamedSet| set.set.recipe().vary.as_ref().and_then(|vary| vary.fog);
-    if sets.iter().filter_map(fog).any(|fog| fog.smoke_share > 0.0) {
-        let by_name = !names.iter().any(|name| name == "all");
-        rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
-    }
+    let rivals = opened(inputs, names, args, gpu)?;
     let mut scored = Vec::new();
-    for named in sets {
+    for named in &inputs.sets {
         let (set, title) = (&named.set, named.title().to_owned());
         let chosen = spread(set.frames().len(), args.frames.map_or(usize::MAX, |frames| frames as usize));
         ensure!(!chosen.is_empty(), "the test set has no frame");
         if let Some(target) = &set.recipe().target {
             note!("what methods are scored against is not truth but the images of `{target}`");
         }
-        let learned = model.and_then(|model| model.spec.environment.as_ref());
-        if let Some(learned) = learned.filter(|_| is_learned_among(names))
-            && sky::of_recipe(set.recipe()).as_ref() != Some(learned)
-        {
-            note!("test set {title}: {}", sky::said_of_another(learned));
-        }
-        let evaluation = evaluate(set, &chosen, *effect, &rivals, repeats(gpu))?;
+        let evaluation = evaluate(set, &chosen, inputs.effect, &rivals, repeats(gpu))?;
         scored.push(Scored { name: named.name.clone(), title, evaluation });
     }
     Ok(EvaluationOutcome::new(rivals, scored))
+}
+
+/// The methods of these names as all sets want them. A set under another sky than the network's is noted.
+fn opened(inputs: &EvaluationInputs, names: &[String], args: &Args, gpu: &Gpu) -> Result<Vec<Rival>> {
+    let EvaluationInputs { effect, network, sets } = inputs;
+    let model = network.as_ref().map(|(_, model)| model);
+    let is_learned = model.is_some() && is_learned_among(names);
+    let tunings = tunings(&qualities(&args.quality, is_learned), &args.set);
+    let mut rivals = rivals(*effect, names, &tunings, (gpu, Runs::Fastest), model)?;
+    let fog = |set: &NamedSet| set.set.recipe().vary.as_ref().and_then(|vary| vary.fog);
+    if sets.iter().filter_map(fog).any(|fog| fog.smoke_share > 0.0) {
+        let by_name = !names.iter().any(|name| name == "all");
+        rivals = methods::through_grids(rivals, by_name, |rival| rival.method.as_ref())?;
+    }
+    let environment = model.and_then(|model| model.spec.environment.as_ref());
+    if let Some(known) = environment.filter(|_| is_learned) {
+        for named in sets.iter().filter(|named| sky::of_recipe(named.set.recipe()).as_ref() != Some(known)) {
+            note!("test set {}: {}", named.title(), sky::said_of_another(known));
+        }
+    }
+    Ok(rivals)
 }
 
 /// How often methods run on a frame, of which the median time counts: the mean over the frames is what tables

@@ -1,6 +1,8 @@
 //! The method `learned`: a trained network, run by `infer`.
 
 mod card;
+#[cfg(not(target_arch = "wasm32"))]
+mod embedded;
 mod estimates;
 mod folder;
 mod recorded;

@@ -37,8 +37,8 @@ const HALF: &str = "wgsl_half";
     1e-4 of the image's root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest \
     magnitude or of 1.")]
 pub struct Args {
-    /// Folder or address of a network; without it, random weights only.
-    #[arg(long)]
+    /// Folder, address or name of a network; without it, random weights only.
+    #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Effects whose networks of the paper's Table 7.1 are checked with random weights, beside the model's
     /// own.

@@ -67,12 +67,15 @@ fn networks_with_other_heads_than_the_image_agree() {
     let surfel = AnalyticEstimate::new("surfel", "low");
     let gained = NetSpec::corrected(Effect::Gi, 8, vec![surfel, gtao().of(Effect::Ao)], reach)
         .expect("surfels estimate it");
+    let reconstruction = AnalyticEstimate::new("reconstruction", "low");
+    let gated =
+        NetSpec::corrected(Effect::MotionBlur, 8, vec![reconstruction], reach).expect("it estimates it");
     let bias_alone = match gained.head {
         Head::Correction(correction) => Head::Correction(Correction { levels: 0, ..correction }),
         other => other,
     };
     let without_taps = gained.clone().with_head(bias_alone);
-    for spec in [of_light, of_black, of_pixels, corrected, gained, without_taps] {
+    for spec in [of_light, of_black, of_pixels, corrected, gained, gated, without_taps] {
         let folder = tempfile::tempdir().expect("a folder");
         let model = Model { weights: Weights::random(&spec, 5), spec };
         write(&model, folder.path());

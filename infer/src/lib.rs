@@ -22,7 +22,7 @@ pub use model::{Model, ModelError};
 pub use parity::{Activation, Comparison, Parity};
 pub use reach::Reach;
 pub use spec::{
-    AnalyticEstimate, Block, BlockSource, ChannelOrder, Colour, Correction, Head, Layer, NetSpec, SpecError,
-    Trained, TrainedUnder, UNet,
+    AnalyticEstimate, Block, BlockSource, ChannelOrder, Colour, Correction, HALF_GATE, Head, Layer, NetSpec,
+    SpecError, Trained, TrainedUnder, UNet,
 };
 pub use weights::{LayerWeights, Weights};

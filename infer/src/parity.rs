@@ -249,7 +249,7 @@ mod tests {
     #[test]
     fn noise_for_a_correction_has_estimates_within_the_range() {
         let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
-        let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
+        let correction = Correction { of, over, levels: 2, kernel: 3, gain: false, gated: false };
         let inputs = vec![Attribute::Normal, of, over];
         let reach = Reach { radius: 1.0, diagonal_share: 0.05, height: 512 };
         let spec = NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, reach);

@@ -8,7 +8,7 @@ mod trunk;
 mod u_net;
 
 pub use block::{Block, BlockSource, Layer, joined_order};
-pub use head::{Correction, Head, channels};
+pub use head::{Correction, HALF_GATE, Head, channels};
 pub use trained::{Outside, Trained, TrainedUnder};
 pub use u_net::{ChannelOrder, UNet};
 
@@ -165,8 +165,8 @@ impl NetSpec {
         reach: Reach,
     ) -> Option<Self> {
         use Attribute::{
-            Border, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
-            RawOpenness, Relief, SignedCircle,
+            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Glossiness, Light, Movement, Normal,
+            Openness, PixelRadius, RawOpenness, Relief, SignedCircle, Specular, ToCamera, WorldNormal,
         };
         let local = [Normal, Relief, PixelRadius, Border];
         let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();
@@ -178,9 +178,15 @@ impl NetSpec {
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),
             Effect::Sss => (filter(&[Normal, Relief, FreePathPixels]), Estimate, Light, 3),
+            Effect::Aa => (filter(&[Normal, Relief]), Estimate, Light, 1),
+            Effect::Ibl => {
+                (vec![WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Estimate], Estimate, Estimate, 0)
+            }
             _ => return None,
         };
-        let correction = Correction { of, over, levels, kernel: 3, gain: effect != Effect::Ao };
+        // Where nothing moves the method's image is right: measured, the network's was not.
+        let gated = effect == Effect::MotionBlur;
+        let correction = Correction { of, over, levels, kernel: 3, gain: effect != Effect::Ao, gated };
         let spec = Self::correcting(effect, inputs, estimates, correction, channels, reach);
         // Light goes farther below a surface in one colour than in another.
         Some(if effect == Effect::Sss { Self { colour: Colour::Mono, ..spec } } else { spec })

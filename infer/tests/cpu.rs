@@ -70,7 +70,7 @@ fn numbers_of_channels_that_fill_no_block() {
 fn correcting(levels: usize, kernel: usize) -> NetSpec {
     let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
     let inputs = vec![Attribute::Normal, of, over];
-    let correction = Correction { of, over, levels, kernel, gain: levels != 1 };
+    let correction = Correction { of, over, levels, kernel, gain: levels != 1, gated: levels > 1 };
     NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH)
 }
 

@@ -127,7 +127,7 @@ fn networks_that_correct_an_estimate() {
     let spec = |levels, kernel| {
         let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
         let inputs = vec![Attribute::Normal, of, over];
-        let correction = Correction { of, over, levels, kernel, gain: levels != 1 };
+        let correction = Correction { of, over, levels, kernel, gain: levels != 1, gated: levels > 1 };
         NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH)
     };
     for (levels, kernel) in [(0, 1), (1, 5), (3, 3)] {

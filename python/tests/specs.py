@@ -72,6 +72,12 @@ GAIN = replace(
     estimates=(Estimate("ssdo", "low"),),
     environment={"sky": 1},
 )
+GATED = trunk(
+    3,
+    Correction("estimate", "light", 2, 3, gain=True, gated=True),
+    "motion-blur",
+    ("movement", "relief", "light", "estimate"),
+)
 
 #: Each by its name.
 ALL = {
@@ -83,4 +89,5 @@ ALL = {
     "mono": MONO,
     "correction": CORRECTION,
     "gain": GAIN,
+    "gated": GATED,
 }

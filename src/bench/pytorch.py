@@ -72,13 +72,18 @@ class Net(torch.nn.Module):
         return made.reshape(batch, channels, side * height, side * width)
 
     def corrected(self, x, made):
-        """An estimate with a bias and weights of how far pixels around are from it."""
+        """An estimate with a bias or a gain and weights of how far pixels around are from it."""
         height, width = made.shape[2:]
         estimate = x[:, self.estimate][:, :, :height, :width]
-        channels = estimate.shape[1]
-        image = estimate + made[:, :channels]
-        for weight, there in zip(made[:, channels:].split(1, 1), self.taps(self.correction, x[:, self.lights], made)):
-            image = image + weight * (there - estimate)
+        gain, half_gate = self.correction["gain"], self.correction["half_gate"]
+        biases = 0 if gain else estimate.shape[1]
+        image = estimate + (made[:, -1:] * estimate if gain else made[:, :biases])
+        light = x[:, self.lights]
+        for tap, there in enumerate(self.taps(self.correction, light, made), biases):
+            image = image + made[:, tap : tap + 1] * (there - estimate)
+        if half_gate is not None:
+            difference = (light[:, :, :height, :width] - estimate).abs().amax(1, keepdim=True)
+            image = estimate + difference / (difference + half_gate) * (image - estimate)
         return image.clamp(*self.correction["range"])
 
     def taps(self, filter, light, made):

@@ -1,7 +1,7 @@
 //! PyTorch as a rival, where a Python has it.
 
 use anyhow::{Context, Result, ensure};
-use deepshade_infer::{BlockSource, Head, Model, NetSpec, parity, reference};
+use deepshade_infer::{BlockSource, HALF_GATE, Head, Model, NetSpec, parity, reference};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -124,6 +124,7 @@ fn network(spec: &NetSpec) -> Value {
         "lights": spec.pyramid_channels(), "square": 1 << spec.last_level(),
         "correction": correction.map(|correction| json!({
             "levels": correction.levels, "kernel": correction.kernel, "range": spec.effect.range().map(finite),
+            "gain": correction.gain, "half_gate": correction.gated.then_some(HALF_GATE),
         })),
         "estimate": correction.map_or_else(Vec::new, |correction| spec.channels_of(correction.of)),
         "layers": layers.iter().map(layer).collect::<Vec<_>>(),
@@ -133,7 +134,7 @@ fn network(spec: &NetSpec) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use deepshade_infer::{ChannelOrder, Reach, Weights};
+    use deepshade_infer::{AnalyticEstimate, ChannelOrder, Reach, Weights};
     use deepshade_shaders::Effect;
 
     /// A Python that has PyTorch, where there is one; `cargo xtask test` says at its end whether there was.
@@ -155,7 +156,11 @@ mod tests {
             .map(|effect| published(effect).predicting_kernels().expect("it reads light"));
         let infer = json!({ "mode": "infer", "size": [64, 48], "runs": 3, "seconds": 0.1 });
         let train = json!({ "mode": "train", "batch": 1, "crop": 32, "runs": 3, "seconds": 0.1 });
-        for (spec, job) in [(filtering, infer.clone()), (with_black, infer), (published(Effect::Ao), train)] {
+        let estimate = || vec![AnalyticEstimate::new("any", "low")];
+        let corrected = |effect| NetSpec::corrected(effect, 8, estimate(), REACH).expect("it is laid out");
+        let [gained, gated] = [Effect::Gi, Effect::MotionBlur].map(corrected);
+        let inferred = [filtering, with_black, gained, gated].map(|spec| (spec, infer.clone()));
+        for (spec, job) in inferred.into_iter().chain([(published(Effect::Ao), train)]) {
             let report = args.run(&random(spec), 1, job).expect("runs").expect("a Python is named");
             let engines: Vec<&str> =
                 report.made.iter().map(|row| row.engine.trim_end_matches("_half")).collect();

@@ -76,7 +76,7 @@ fn methods(effect: Effect, rivals: &[Rival], set: &Scored) -> String {
 }
 
 /// A rival's quality, and what of it is set by hand.
-fn tuned(rival: &Rival) -> String {
+pub(super) fn tuned(rival: &Rival) -> String {
     let quality = rival.quality.map_or("", Quality::name);
     [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
 }

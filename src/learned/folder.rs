@@ -13,14 +13,31 @@ pub fn usual_folder(effect: Effect) -> PathBuf {
     shipped(effect.name()).unwrap_or_else(|| Path::new(MODELS).join(effect.name()))
 }
 
-/// Reads where a network is: a folder, an address, or the name of a network that is shipped.
+/// Reads where a network is: a folder, an address, or the name of a network that is shipped or that the
+/// program brings.
 ///
 /// # Errors
 /// If it is no folder and no address.
 pub fn place(text: &str) -> Result<Location, String> {
     let location: Location = text.parse()?;
     let is_name = Path::new(text).components().count() == 1 && !Path::new(text).exists();
-    Ok(if is_name { shipped(text).map_or(location, Location::Folder) } else { location })
+    Ok(if is_name {
+        shipped(text).or_else(|| embedded(text)).map_or(location, Location::Folder)
+    } else {
+        location
+    })
+}
+
+/// The folder of a network of that name which the program brings.
+#[cfg(not(target_arch = "wasm32"))]
+fn embedded(name: &str) -> Option<PathBuf> {
+    super::embedded::folder(name)
+}
+
+/// A web page brings none: it fetches them.
+#[cfg(target_arch = "wasm32")]
+const fn embedded(_: &str) -> Option<PathBuf> {
+    None
 }
 
 /// The folder of a network of that name, below `models` here or among those that were installed.

@@ -20,7 +20,8 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 5] = [Effect::Ao, Effect::Do, Effect::Gi, Effect::Dof, Effect::Sss];
+const MEASURED: [Effect; 7] =
+    [Effect::Aa, Effect::Ao, Effect::Do, Effect::Gi, Effect::Dof, Effect::MotionBlur, Effect::Sss];
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
 /// The estimates that the corrected network reads of an effect, that which it corrects first.
@@ -33,6 +34,8 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
         Effect::Multi => vec![of("occluded-gather", "high")],
         Effect::MotionBlur => vec![of("reconstruction", "high")],
         Effect::Sss => vec![of("separable", "ultra")],
+        Effect::Aa => vec![of("fxaa", "high")],
+        Effect::Ibl => vec![of("prefiltered", "high")],
         _ => vec![of("gtao", "high")],
     }
 }

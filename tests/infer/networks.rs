@@ -1,15 +1,15 @@
-//! The shipped networks that read other things than positions and normals, and skies that a file tells in
-//! its own way.
+//! Networks that read other things than positions and normals, and skies that a file tells in its own way.
 
 use super::*;
+use deepshade_shaders::Effect;
 use glam::Vec3;
 
 const SIZE: [usize; 2] = [30, 40];
 
-/// A folder for a network's g-buffer and its image.
-struct Shipped {
+/// A network, and a folder for its g-buffer and its image.
+struct Tried {
     folder: tempfile::TempDir,
-    effect: &'static str,
+    model: PathBuf,
 }
 
 /// What a right g-buffer holds at a pixel: rough surfaces that face the camera, and no surface in the first
@@ -38,9 +38,24 @@ fn turned(vector: Vec3) -> Vec<f32> {
     vec![-vector.z, vector.y, vector.x]
 }
 
-impl Shipped {
-    fn new(effect: &'static str) -> Self {
-        Self { folder: tempfile::tempdir().expect("a folder"), effect }
+impl Tried {
+    /// The paper's network for an effect, of random weights.
+    fn of(effect: Effect) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let reach = Reach { radius: 0.25, diagonal_share: 0.1, height: 256 };
+        let spec = NetSpec::published(effect, ChannelOrder::Interleaved, reach).expect("it has one");
+        let mut weights = Weights::random(&spec, 3);
+        // An image of light.
+        weights.0.last_mut().expect("a layer").bias.fill(2.0);
+        let model = folder.path().join("model");
+        Model { weights, spec }.save(&model).expect("saved");
+        Self { folder, model }
+    }
+
+    /// One that is shipped.
+    fn shipped(name: &str) -> Self {
+        let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name);
+        Self { folder: tempfile::tempdir().expect("a folder"), model }
     }
 
     /// Writes attributes in full, each changed by its name, row and column.
@@ -60,9 +75,8 @@ impl Shipped {
     }
 
     fn run(&self, more: &[&str]) -> Output {
-        let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(self.effect);
         let mut command = Command::new(env!("CARGO_BIN_EXE_deepshade"));
-        command.arg("infer").arg("--model").arg(model).args(["--radius", "1"]).arg("--gbuffer");
+        command.arg("infer").arg("--model").arg(&self.model).args(["--radius", "1"]).arg("--gbuffer");
         command.arg(self.folder.path().join("in.exr")).arg("--out").arg(self.out()).args(more);
         command.output().expect("the program starts")
     }
@@ -70,7 +84,7 @@ impl Shipped {
     /// The image that comes out, and what was said.
     fn image(&self, more: &[&str]) -> (Vec<f32>, String) {
         let output = self.run(more);
-        assert!(output.status.success(), "{}: {}", self.effect, message(&output));
+        assert!(output.status.success(), "{}", message(&output));
         let file = exr_file::read(&self.out()).expect("reads");
         std::fs::remove_file(self.out()).expect("written");
         let layer = file.layers().swap_remove(0);
@@ -103,7 +117,7 @@ fn as_it_is(_: Attribute, _: usize, value: Vec<f32>) -> Vec<f32> {
 
 #[test]
 fn world_normals_are_mended_as_normals_are() {
-    let ibl = Shipped::new("ibl");
+    let ibl = Tried::of(Effect::Ibl);
     ibl.write(&IBL, as_it_is);
     let (expected, said) = ibl.image(&[]);
     assert!(!said.contains("normals"), "{said}");
@@ -134,12 +148,12 @@ fn world_normals_are_mended_as_normals_are() {
 
 #[test]
 fn an_option_that_touches_nothing_that_is_read_is_refused() {
-    let aa = Shipped::new("aa");
+    let aa = Tried::of(Effect::Aa);
     aa.write(&AA, as_it_is);
     aa.refused(&["--normals", "unsigned"], &["--normals unsigned", "`normal`, `world_normal`", "`depth`"]);
     aa.refused(&["--forward", "z"], &["--forward z", "`position`"]);
     aa.image(&["--metres-per-unit", "1"]);
-    let ibl = Shipped::new("ibl");
+    let ibl = Tried::of(Effect::Ibl);
     ibl.write(&IBL, as_it_is);
     ibl.refused(&["--depth", "negative"], &["--depth negative", "`depth`", "`to_camera`"]);
     ibl.refused(&["--normals", "reversed-z"], &["--normals reversed-z"]);
@@ -147,7 +161,7 @@ fn an_option_that_touches_nothing_that_is_read_is_refused() {
 
 #[test]
 fn a_negative_depth_and_a_depth_buffer_are_told() {
-    let aa = Shipped::new("aa");
+    let aa = Tried::of(Effect::Aa);
     aa.write(&AA, as_it_is);
     let (expected, _) = aa.image(&[]);
     let depth = |change: fn(f32) -> f32| {
@@ -172,7 +186,7 @@ fn a_negative_depth_and_a_depth_buffer_are_told() {
 
 #[test]
 fn normals_alone_must_face_the_camera() {
-    let real = Shipped::new("real");
+    let real = Tried::of(Effect::Real);
     real.write(&[Attribute::Normal], as_it_is);
     let (expected, _) = real.image(&[]);
     real.write(&[Attribute::Normal], |_, _, value| value.into_iter().map(|v| -v).collect());
@@ -182,24 +196,24 @@ fn normals_alone_must_face_the_camera() {
 
 #[test]
 fn a_sky_that_depth_tells_is_none_of_the_surfaces() {
-    for (effect, attributes) in [("aa", &AA[..]), ("motion-blur", &[Attribute::Motion, Attribute::Light][..])]
-    {
-        let shipped = Shipped::new(effect);
+    let moving = [Attribute::Motion, Attribute::Light];
+    for (effect, attributes) in [(Effect::Aa, &AA[..]), (Effect::MotionBlur, &moving)] {
+        let tried = Tried::of(effect);
         let attributes = [attributes, &[Attribute::Depth]].concat();
         let attributes: Vec<Attribute> = (0..attributes.len())
             .filter(|at| !attributes[..*at].contains(&attributes[*at]))
             .map(|at| attributes[at])
             .collect();
-        shipped.write(&attributes, as_it_is);
-        let (expected, said) = shipped.image(&[]);
+        tried.write(&attributes, as_it_is);
+        let (expected, said) = tried.image(&[]);
         assert!(!said.contains("no surface"), "{said}");
         for sky in [1e5, 1e6, 1e8, -1.0, f32::INFINITY] {
-            shipped.write(&attributes, |attribute, y, value| match (attribute, y) {
+            tried.write(&attributes, |attribute, y, value| match (attribute, y) {
                 (Attribute::Depth, 0..4) => vec![sky],
                 (Attribute::Light, 0..4) => vec![0.5; 3],
                 _ => value,
             });
-            let (image, said) = shipped.image(&[]);
+            let (image, said) = tried.image(&[]);
             assert_same(&image, &expected);
             assert_eq!(said.contains(&format!("`depth` is {sky}")), sky.is_finite(), "{said}");
         }
@@ -208,7 +222,7 @@ fn a_sky_that_depth_tells_is_none_of_the_surfaces() {
 
 #[test]
 fn a_sky_that_only_what_is_not_read_or_the_normals_tell_is_seen() {
-    let ao = Shipped::new("ao");
+    let ao = Tried::shipped("ao");
     let attributes = [Attribute::Position, Attribute::Normal, Attribute::Depth];
     ao.write(&attributes, as_it_is);
     let (expected, _) = ao.image(&[]);

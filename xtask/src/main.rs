@@ -18,6 +18,7 @@ mod package;
 mod program;
 mod prove;
 mod python;
+mod release;
 mod targets;
 mod test;
 mod unchanged;
@@ -78,6 +79,9 @@ enum Verb {
     Fuzz(fuzz::Args),
     /// Makes the Debian package with cargo-deb.
     Package(package::Args),
+    /// Makes all that people install into one folder with checksums: an archive, the packages for Debian, pip
+    /// and npm, Blender's add-on, and the list of components.
+    Release(release::Args),
     /// Makes small data of every recipe, and every method's image of every effect on two scenes, and holds
     /// the hashes of all files against those that --write noted, on the same machine.
     Unchanged(unchanged::Args),
@@ -125,6 +129,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Targets => targets::run(),
         Verb::Fuzz(args) => fuzz::run(&args),
         Verb::Package(args) => package::run(&args),
+        Verb::Release(args) => release::run(&args),
         Verb::Unchanged(args) => unchanged::run(&args),
         Verb::Web(args) => web::run(args),
     }

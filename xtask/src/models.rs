@@ -64,6 +64,13 @@ const AO: Task = Task {
     methods: "learned,gtao,hbao",
     qualities: "low,medium,high,ultra",
 };
+const AA: Task = Task {
+    stream: "aa",
+    tests: &[("testset", "aa-test")],
+    methods: "learned,fxaa",
+    qualities: "low,medium,high,ultra",
+};
+
 const GI: Task = Task {
     stream: "gi",
     tests: &[("testset", "gi-test")],
@@ -82,6 +89,13 @@ const DOF: Task = Task {
     stream: "dof",
     tests: &[("testset", "dof-test")],
     methods: "learned,ring-gather",
+    qualities: "low,medium,high,ultra",
+};
+
+const MOTION_BLUR: Task = Task {
+    stream: "motion-blur",
+    tests: &[("testset", "motion-blur-test")],
+    methods: "learned,reconstruction",
     qualities: "low,medium,high,ultra",
 };
 
@@ -105,7 +119,7 @@ const SSS: Task = Task {
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 14] = [
-    Budget { name: "aa", steps: 16_000, batch: 8, crop: 128, rate: "0.005", share: None, streamed: None },
+    Budget { name: "aa", steps: 1_200, streamed: on(&AA, ["corrected", "12", "fxaa:high"]), ..FILTER },
     Budget {
         name: "dof",
         steps: 2_500,
@@ -114,12 +128,9 @@ const BUDGETS: [Budget; 14] = [
     },
     Budget {
         name: "motion-blur",
-        steps: 10_000,
-        batch: 32,
-        crop: 128,
-        rate: "0.003",
-        share: None,
-        streamed: None,
+        steps: 2_000,
+        streamed: on(&MOTION_BLUR, ["corrected", "16", "reconstruction:high"]),
+        ..FILTER
     },
     Budget {
         name: "sss",

@@ -21,7 +21,7 @@ const TRIALS: [&str; 2] = [
      --width 64 --height 64 --samples 16 --out report && test -s report/index.html",
 ];
 /// What is packaged: the program that can do everything that needs nothing more of the system.
-const BUILD: [&str; 5] = ["build", "--release", "--locked", "--features", "store"];
+pub const BUILD: [&str; 5] = ["build", "--release", "--locked", "--features", "store"];
 /// What programs need of the system, where no package says so.
 const LIBRARIES: &str = "libvulkan1 mesa-vulkan-drivers";
 
@@ -120,7 +120,7 @@ fn built(program: &Program, path: &str) -> Result<PathBuf> {
 }
 
 /// Copies a file or a folder.
-fn copy(from: &Path, to: &Path) -> Result<()> {
+pub fn copy(from: &Path, to: &Path) -> Result<()> {
     if let Some(folder) = to.parent() {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }

@@ -9,14 +9,15 @@ use rayon::prelude::*;
 /// The network's image of its input, given what its last block makes, on its level.
 pub fn corrected(spec: &NetSpec, correction: Correction, input: &Planes, made: &Planes) -> Planes {
     let estimate = channels(input, &spec.channels_of(correction.of));
-    let pyramid = (correction.levels > 0).then(|| {
-        let over = channels(input, &spec.pyramid_channels());
-        Light::new(correction.filter(), padded(&over, spec.alignment()))
-    });
+    let over = channels(input, &spec.pyramid_channels());
+    let pyramid =
+        (correction.levels > 0).then(|| Light::new(correction.filter(), padded(&over, spec.alignment())));
     let row = Row {
+        correction,
         range: spec.effect.range(),
         level: spec.last_level(),
         estimate: &estimate,
+        over: &over,
         pyramid: pyramid.as_ref(),
         biases: correction.bias_count(estimate.channels()),
         gain: correction.gain.then(|| correction.filter().tap_count()),
@@ -29,9 +30,11 @@ pub fn corrected(spec: &NetSpec, correction: Correction, input: &Planes, made: &
 
 /// What the rows of an image are made of.
 struct Row<'a> {
+    correction: Correction,
     range: [f32; 2],
     level: usize,
     estimate: &'a Planes,
+    over: &'a Planes,
     pyramid: Option<&'a Light>,
     /// Channels of a pixel that are biases, before the weights.
     biases: usize,
@@ -72,8 +75,26 @@ impl Row<'_> {
                     .for_each(|((image, begun), gain)| *image += gain * begun);
             }
         }
+        if self.correction.gated {
+            self.gate(y, &mut image);
+        }
         let [least, most] = self.range;
         image.iter_mut().for_each(|value| *value = value.clamp(least, most));
         image
+    }
+
+    /// Leaves so much of what was corrected in a row of the image as [`Correction::gate`] says.
+    fn gate(&self, y: usize, image: &mut [f32]) {
+        let width = self.estimate.width();
+        let row = |of: &'_ Planes, channel: usize, x: usize| of.plane(channel)[y * width + x];
+        for x in 0..width {
+            let channels = 0..self.estimate.channels();
+            let difference = |c: usize| (row(self.over, c, x) - row(self.estimate, c, x)).abs();
+            let share = self.correction.gate(channels.clone().map(difference).fold(0.0, f32::max));
+            for channel in channels {
+                let (begun, value) = (row(self.estimate, channel, x), &mut image[channel * width + x]);
+                *value = begun + share * (*value - begun);
+            }
+        }
     }
 }

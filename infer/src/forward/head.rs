@@ -52,7 +52,9 @@ pub fn of(spec: &NetSpec) -> Option<Head> {
         spec::Head::Filter(filter) => (HeadKind::Filter { black: filter.black }, filter),
         spec::Head::Correction(correction) => {
             let estimate = first(spec.channels_of(correction.of));
-            let kind = HeadKind::Correction { estimate, gain: correction.gain, range: spec.effect.range() };
+            let half_gate = correction.gated.then_some(spec::HALF_GATE);
+            let (gain, range) = (correction.gain, spec.effect.range());
+            let kind = HeadKind::Correction { estimate, gain, half_gate, range };
             (kind, correction.filter())
         }
     };

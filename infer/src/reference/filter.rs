@@ -39,7 +39,9 @@ pub fn corrected(
             true => made.at(made.channels() - 1, y, x) * begun,
             false => made.at(c, y, x),
         };
-        (begun + added + sum).clamp(least, most)
+        let difference = |c: usize| (over.at(c, y, x) - estimate.at(c, y, x)).abs();
+        let difference = (0..channels).map(difference).fold(0.0, f32::max);
+        (begun + correction.gate(difference) * (added + sum)).clamp(least, most)
     })
 }
 

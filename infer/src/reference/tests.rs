@@ -126,9 +126,27 @@ fn unfolding_undoes_folding() {
 }
 
 #[test]
+fn a_gated_correction_leaves_what_its_method_left() {
+    let (of, over) = (Attribute::Estimate, Attribute::Light);
+    let correction = Correction { of, over, levels: 2, kernel: 3, gain: true, gated: true };
+    let spec = NetSpec::correcting(Effect::MotionBlur, vec![over, of], Vec::new(), correction, 8, REACH);
+    let weights = Weights::random(&spec, 1);
+    let light = noise(3, 20, 28, 2).map(|value| 0.5 + 0.25 * value);
+    // The method changed the right half alone.
+    let value = |c: usize, y: usize, x: usize| {
+        let light = light.at(c % 3, y, x);
+        if c >= 3 && x >= 14 { light + 0.1 } else { light }
+    };
+    let image = forward(&spec, &weights, &Planes::from_fn(6, 20, 28, value));
+    let change = |x: usize| (image.at(1, 9, x) - value(4, 9, x)).abs();
+    assert!((0..14).all(|x| change(x) == 0.0), "what was left is left");
+    assert!((14..28).any(|x| change(x) > 1e-3), "what was changed is corrected");
+}
+
+#[test]
 fn a_correction_of_nothing_is_the_estimate_and_one_of_a_tap_brings_it_there() {
     let (of, over) = (Attribute::Openness, Attribute::RawOpenness);
-    let correction = Correction { of, over, levels: 2, kernel: 3, gain: false };
+    let correction = Correction { of, over, levels: 2, kernel: 3, gain: false, gated: false };
     let inputs = vec![Attribute::Normal, of, over];
     let spec = NetSpec::correcting(Effect::Ao, inputs, Vec::new(), correction, 8, REACH);
     let mut weights = Weights::random(&spec, 1);

@@ -24,9 +24,10 @@ pub enum Head {
 /// image = E + (bias or gain * E) + sum over taps t of w(t) * (S(t) - E)
 /// ```
 ///
-/// within the effect's range, where S(t) are pixels of a pyramid of `over`, laid out and read as those of a
-/// [`Filter`]. Weights that are 0 leave the estimate as it is. The last block makes the bias of each channel,
-/// where there is one, then the weights and the gain, which all channels share.
+/// within the effect's range. Where it is gated, what is added counts by [`Correction::gate`]. S(t) are
+/// pixels of a pyramid of `over`, laid out and read as those of a [`Filter`]. Weights that are 0 leave the
+/// estimate as it is. The last block makes the bias of each channel, where there is one, then the weights and
+/// the gain, which all channels share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {
@@ -42,7 +43,15 @@ pub struct Correction {
     /// and of dim light, and where there is none no network may add any.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub gain: bool,
+    /// Whether nothing is corrected where the estimate is what the pyramid is of: a filter that leaves light
+    /// as it is there knows that nothing moves, or that all is in focus.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub gated: bool,
 }
+
+/// Half of a correction counts where the estimate differs by this from what the pyramid is of: a step of a
+/// picture of 8 bits.
+pub const HALF_GATE: f32 = 1.0 / 256.0;
 
 impl Correction {
     /// The taps, as those of a filter.
@@ -63,6 +72,12 @@ impl Correction {
     /// The taps in the order of their weights.
     pub fn taps(&self) -> impl Iterator<Item = Tap> + use<> {
         self.filter().taps()
+    }
+
+    /// How much of a correction counts in a pixel, by the largest difference of a channel of the estimate
+    /// from what the pyramid is of.
+    pub fn gate(&self, difference: f32) -> f32 {
+        if self.gated { difference / (difference + HALF_GATE) } else { 1.0 }
     }
 }
 
@@ -125,12 +140,16 @@ impl NetSpec {
         let (levels, kernel, least) = match self.head {
             Head::Image => return Ok(()),
             Head::Filter(Filter { levels, kernel, .. }) => (levels, kernel, 1),
-            Head::Correction(Correction { levels, kernel, .. }) => (levels, kernel, 0),
+            Head::Correction(Correction { levels, kernel, gated, .. }) => (levels, kernel, gated as usize),
         };
         let range =
             |name, found: usize, allowed| SpecError::Range { name, found: found.to_string(), allowed };
         if !(least..=self.levels()).contains(&levels) {
-            return Err(range("head.levels", levels, "at most as many as the network has"));
+            return Err(range(
+                "head.levels",
+                levels,
+                "at most as many as the network has, of a filter or a gated correction at least 1",
+            ));
         }
         if !matches!(kernel, 1 | 3 | 5 | 7) {
             return Err(range("head.kernel", kernel, "1, 3, 5 or 7"));

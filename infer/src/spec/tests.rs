@@ -13,6 +13,7 @@ fn correcting() -> NetSpec {
         levels: 2,
         kernel: 3,
         gain: false,
+        gated: false,
     };
     NetSpec::correcting(Effect::Ao, inputs, estimates, correction, 24, REACH)
 }

@@ -14,6 +14,9 @@ from torch import Tensor
 
 from deepshade.spec import Correction, Filter
 
+#: Half of a gated correction counts where the estimate differs by this from what the pyramid is of.
+HALF_GATE = 1.0 / 256.0
+
 
 def filtered(head: Filter, light: Tensor, made: Tensor) -> Tensor:
     """The sum of the light that softmax weights weigh.
@@ -29,13 +32,18 @@ def filtered(head: Filter, light: Tensor, made: Tensor) -> Tensor:
 def corrected(head: Correction, estimate: Tensor, over: Tensor, made: Tensor) -> Tensor:
     """`E + (bias or gain * E) + sum of w * (S - E)` of an estimate `E` and the pixels `S` of `over`, padded.
 
-    `made` is `[batch, biases + weights, height, width]`: the biases, the weights, then the gain.
+    `made` is `[batch, biases + weights, height, width]`: the biases, the weights, then the gain. Of a gated
+    head nothing is corrected where `E` is `over`.
     """
     biases = head.biases(estimate.shape[1])
     image = estimate + (made[:, -1:] * estimate if head.gain else made[:, :biases])
     for tap, pixel in enumerate(taps(over, head.levels, head.kernel, made.shape[2:]), biases):
         image = image + made[:, tap : tap + 1] * (pixel - estimate)
-    return image
+    if not head.gated:
+        return image
+    height, width = made.shape[2:]
+    difference = (over[:, :, :height, :width] - estimate).abs().amax(1, keepdim=True)
+    return estimate + difference / (difference + HALF_GATE) * (image - estimate)
 
 
 def taps(image: Tensor, levels: int, kernel: int, size: tuple[int, ...]) -> Iterator[Tensor]:

@@ -96,6 +96,8 @@ class Correction:
     levels: int
     kernel: int
     gain: bool = False
+    #: Whether nothing is corrected where the estimate is what the pyramid is of.
+    gated: bool = False
 
     def biases(self, channels: int) -> int:
         """Number of biases that a pixel of so many channels has."""

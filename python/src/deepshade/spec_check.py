@@ -95,7 +95,7 @@ def _check_head(spec: NetSpec) -> None:
         case Filter():
             least, read = 1, ["light"]
         case Correction():
-            least, read = 0, [head.over, head.of]
+            least, read = int(head.gated), [head.over, head.of]
     _range("head.levels", head.levels, range(least, spec.levels + 1), "at most as many as the network has")
     _range("head.kernel", head.kernel, KERNELS, "1, 3, 5 or 7")
     for attribute in read:

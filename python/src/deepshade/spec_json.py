@@ -177,7 +177,7 @@ def _head(value: Any, place: str) -> Head:
     tagged: dict[str, Parser] = {
         "filter": lambda value, place: Filter(**_record(value, place, counts, {"black": _flag})),
         "correction": lambda value, place: Correction(
-            **_record(value, place, inputs | counts, {"gain": _flag})
+            **_record(value, place, inputs | counts, {"gain": _flag, "gated": _flag})
         ),
     }
     head: Head = _tagged(value, place, {"image": Image()}, tagged)

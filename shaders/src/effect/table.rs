@@ -214,7 +214,7 @@ pub(super) const TABLE: [Definition; 18] = [
         parts_colours: false,
         listens_to: &[Environment],
         turns: true,
-        attributes: &[Depth, Attribute::Light, Valid],
+        attributes: &[Normal, Position, Depth, Attribute::Light, Valid],
         needs: None,
         varies: &["materials", "textures", "light"],
     },

@@ -23,6 +23,9 @@ pub enum HeadKind {
         estimate: u32,
         /// Whether the last weight is a gain, in place of a bias of each channel.
         gain: bool,
+        /// The difference of the estimate from what the pyramid is of by which half of the correction counts;
+        /// `None` where all of it does everywhere.
+        half_gate: Option<f32>,
         /// The least and the greatest number of the image.
         range: [f32; 2],
     },
@@ -113,6 +116,7 @@ impl Head {
     pub fn image(&self, writing: Writing) -> String {
         let black = matches!(self.kind, HeadKind::Filter { black: true });
         let gain = matches!(self.kind, HeadKind::Correction { gain: true, .. });
+        let gated = matches!(self.kind, HeadKind::Correction { half_gate: Some(_), .. });
         let constants = [
             ("CHANNELS", self.channels),
             ("LEVELS", self.levels),
@@ -120,6 +124,7 @@ impl Head {
             ("BLACK", u32::from(black)),
             ("BIASES", self.biases()),
             ("GAIN", u32::from(gain)),
+            ("GATED", u32::from(gated)),
             ("COUNT", self.count()),
             ("SQUARE", self.square),
         ];
@@ -130,10 +135,14 @@ impl Head {
         let (range, kind) = match self.kind {
             HeadKind::Unfold => (String::new(), "head/unfold"),
             HeadKind::Filter { .. } => (String::new(), "head/filter"),
-            HeadKind::Correction { range: [least, most], .. } => {
+            HeadKind::Correction { range: [least, most], half_gate, .. } => {
                 // No shader knows infinity. All digits: the fewest that name the largest `f32` are beyond it.
                 let [least, most] = [least, most.min(f32::MAX)].map(f64::from);
-                (format!("const LEAST = {least:?};\nconst MOST = {most:?};\n"), "head/correction")
+                let half = half_gate.unwrap_or(1.0);
+                let constants = format!(
+                    "const LEAST = {least:?};\nconst MOST = {most:?};\nconst HALF_GATE = {half:?};\n"
+                );
+                (constants, "head/correction")
             }
         };
         joined(&constants, &(range + &target), &[kind, write])
@@ -166,8 +175,13 @@ pub(super) mod tests {
         let kinds = [
             HeadKind::Filter { black: false },
             HeadKind::Filter { black: true },
-            HeadKind::Correction { estimate: 0, gain: false, range: [0.0, 1.0] },
-            HeadKind::Correction { estimate: 0, gain: true, range: [0.0, f32::INFINITY] },
+            HeadKind::Correction { estimate: 0, gain: false, half_gate: None, range: [0.0, 1.0] },
+            HeadKind::Correction {
+                estimate: 0,
+                gain: true,
+                half_gate: Some(0.5),
+                range: [0.0, f32::INFINITY],
+            },
             HeadKind::Unfold,
         ];
         let mut heads = Vec::new();

@@ -1,5 +1,6 @@
 // The image of a network that corrects an estimate: a bias of each channel or a gain, and a weighted sum of
-// how far pixels of a pyramid are from the estimate, within the effect's range. Of what a tile keeps.
+// how far pixels of a pyramid are from the estimate, within the effect's range. Where it is GATED, nothing is
+// corrected where the estimate is what the pyramid is of. Of what a tile keeps.
 
 #import head/pyramid
 
@@ -21,6 +22,12 @@ fn image_at(pixel: vec2<u32>) -> vec4<f32> {
     }
     if GAIN == 1u {
         image += made_by_net(COUNT - 1u, pixel) * begun;
+    }
+    if GATED == 1u {
+        let over = texel(level_at(0u, CHANNELS * layer.width * layer.height, pixel), vec2<i32>(pixel));
+        let differences = abs(over - begun);
+        let difference = max(max(differences.x, differences.y), max(differences.z, differences.w));
+        image = begun + difference / (difference + HALF_GATE) * (image - begun);
     }
     return clamp(image, vec4(LEAST), vec4(MOST));
 }

@@ -65,11 +65,12 @@ fn scales_light(spec: &NetSpec) -> bool {
 pub(crate) fn last_layer(spec: &NetSpec) -> String {
     match spec.head {
         Head::Image => "makes the image".to_owned(),
-        Head::Correction(Correction { of, over, levels, kernel, gain }) => format!(
-            "corrects `{}`: adds a {} and weights of `{}`, {kernel}x{kernel} at each of {levels} resolutions",
+        Head::Correction(Correction { of, over, levels, kernel, gain, gated }) => format!(
+            "corrects `{}`: adds a {} and weights of `{}`, {kernel}x{kernel} at each of {levels} resolutions{}",
             of.name(),
             if gain { "gain" } else { "bias" },
-            over.name()
+            over.name(),
+            if gated { ", nothing where the two are alike" } else { "" }
         ),
         Head::Filter(Filter { levels, kernel, black }) => {
             let black = if black { ", and of black" } else { "" };

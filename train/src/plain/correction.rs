@@ -3,7 +3,7 @@
 
 use super::filter::taps;
 use burn::tensor::Tensor;
-use deepshade_infer::Correction;
+use deepshade_infer::{Correction, HALF_GATE};
 
 /// The image, unbounded, of an estimate, of what the pyramid is of, both padded, and of what the last block
 /// makes.
@@ -18,15 +18,20 @@ pub fn corrected(correction: Correction, estimate: Tensor<4>, over: Tensor<4>, m
         true => estimate.clone() * made.clone().narrow(1, count, 1),
         false => made.clone().narrow(1, 0, channels),
     };
-    let begun = estimate.clone() + added;
     if count == 0 {
-        return begun;
+        return estimate + added;
     }
     let weights = made.narrow(1, biases, count);
-    let taps = taps(correction.filter(), over);
+    let taps = taps(correction.filter(), over.clone());
     let sum = |channel: usize| {
         let there = Tensor::cat(taps.iter().map(|tap| tap.clone().narrow(1, channel, 1)).collect(), 1);
         (weights.clone() * (there - estimate.clone().narrow(1, channel, 1))).sum_dim(1)
     };
-    begun + Tensor::cat((0..channels).map(sum).collect(), 1)
+    let corrections = added + Tensor::cat((0..channels).map(sum).collect(), 1);
+    if !correction.gated {
+        return estimate + corrections;
+    }
+    let difference = (over - estimate.clone()).abs().max_dim(1);
+    let gate = difference.clone() / (difference + HALF_GATE);
+    estimate + gate * corrections
 }

@@ -31,18 +31,20 @@ pub fn mixed(two: Two<'_>, current: &Planes, history: &Planes, mixing: &uniforms
 /// How much an image flickers: the mean, over the pixels whose surface was seen before and over channels, of
 /// how far they are from what the frame before showed of it. 0 where a surface keeps what it shows.
 pub fn flicker(two: Two<'_>, current: &Planes, before: &Planes, depth_tolerance: f32) -> f64 {
-    let (mut sum, mut count) = (0.0, 0u64);
-    for y in 0..current.height() {
-        for x in 0..current.width() {
-            for c in 0..current.channels() {
-                if let Some(was) = two.carried(before, c, [y, x], depth_tolerance) {
-                    sum += f64::from((current.at(c, y, x) - was).abs());
-                    count += 1;
-                }
-            }
-        }
-    }
-    if count == 0 { 0.0 } else { sum / count as f64 }
+    let changes = changes(two, current, before, depth_tolerance);
+    let sum: f64 = changes.iter().map(|change| f64::from(change.abs())).sum();
+    sum / changes.len().max(1) as f64
+}
+
+/// How far an image is from what the frame before showed of the same surfaces: row by row, of the pixels
+/// whose surface was seen before, of each channel.
+pub fn changes(two: Two<'_>, current: &Planes, before: &Planes, depth_tolerance: f32) -> Vec<f32> {
+    let pixels = (0..current.height()).flat_map(|y| (0..current.width()).map(move |x| [y, x]));
+    let of_pixel = |at @ [y, x]: [usize; 2]| {
+        let carried = move |c| Some(current.at(c, y, x) - two.carried(before, c, at, depth_tolerance)?);
+        (0..current.channels()).filter_map(carried)
+    };
+    pixels.flat_map(of_pixel).collect()
 }
 
 impl Two<'_> {

@@ -1,8 +1,8 @@
 //! Heads in a graph, [`deepshade_infer::Head`]: of every level of the light, continued by its edge and spread
 //! to the size of level 0, a tap is a window.
 
-use super::{Graph, int, text};
-use deepshade_infer::{Correction, Filter, NetSpec, Tap};
+use super::{Graph, int, ints, text};
+use deepshade_infer::{Correction, Filter, HALF_GATE, NetSpec, Tap};
 
 impl Graph {
     /// The image of what the last convolution makes and of the padded input.
@@ -47,6 +47,9 @@ impl Graph {
             let differences = self.node("Sub", "differences", &[&there, &here], vec![]);
             image = self.node("Add", "corrected", &[&image, &differences], vec![]);
         }
+        if correction.gated {
+            image = self.gate(&estimate, &image);
+        }
         let [least, most] = spec.effect.range();
         self.floats("least", &[], &[least]);
         if most.is_finite() {
@@ -54,6 +57,20 @@ impl Graph {
             return self.node("Clip", "within", &[&image, "least", "most"], vec![]);
         }
         self.node("Clip", "within", &[&image, "least"], vec![])
+    }
+
+    /// An image of which so much is corrected as its estimate differs from the finest level of the pyramid.
+    fn gate(&mut self, estimate: &str, image: &str) -> String {
+        self.floats("half_gate", &[], &[HALF_GATE]);
+        let differences = self.node("Sub", "changes", &["light0", estimate], vec![]);
+        let sizes = self.node("Abs", "change_sizes", &[&differences], vec![]);
+        let over_channels = vec![ints("axes", &[1]), int("keepdims", 1)];
+        let difference = self.node("ReduceMax", "change", &[&sizes], over_channels);
+        let sum = self.node("Add", "change_and_half", &[&difference, "half_gate"], vec![]);
+        let share = self.node("Div", "gate", &[&difference, &sum], vec![]);
+        let correction = self.node("Sub", "correction", &[image, estimate], vec![]);
+        let counted = self.node("Mul", "gated", &[&share, &correction], vec![]);
+        self.node("Add", "with_gate", &[estimate, &counted], vec![])
     }
 
     /// Some channels of an image.
