@@ -20,8 +20,16 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 7] =
-    [Effect::Aa, Effect::Ao, Effect::Do, Effect::Gi, Effect::Dof, Effect::MotionBlur, Effect::Sss];
+const MEASURED: [Effect; 8] = [
+    Effect::Aa,
+    Effect::Ao,
+    Effect::Do,
+    Effect::Dof,
+    Effect::Gi,
+    Effect::MotionBlur,
+    Effect::Multi,
+    Effect::Sss,
+];
 /// Channels of the corrected network at half the resolution.
 pub const CHANNELS: usize = 24;
 /// The estimates that the corrected network reads of an effect, that which it corrects first.

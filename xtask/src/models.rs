@@ -99,6 +99,13 @@ const MOTION_BLUR: Task = Task {
     qualities: "low,medium,high,ultra",
 };
 
+const MULTI: Task = Task {
+    stream: "multi",
+    tests: &[("testset", "multi-test")],
+    methods: "learned,occluded-gather",
+    qualities: "low,medium,high,ultra",
+};
+
 const SSS: Task = Task {
     stream: "sss",
     tests: &[("testset", "sss-test")],
@@ -108,13 +115,10 @@ const SSS: Task = Task {
 
 /// The shipped networks, cheap ones first.
 ///
-/// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 28 where
-/// these predict kernels, 40 of `ibl`, 500 of `aa`. It makes a pair with 64 samples in five seconds. So data
+/// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 40 of
+/// `ibl`. It makes a pair with 64 samples in five seconds. So data
 /// take half an hour, training about as long, and the runs of half and a quarter of the steps three quarters
 /// of that.
-///
-/// `motion-blur` and `multi` have batches for a GPU. An H100 trains 700 crops a second of each of them at
-/// once, seven minutes. Two cores need an hour and a half for each.
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
@@ -158,7 +162,12 @@ const BUDGETS: [Budget; 14] = [
         share: None,
         streamed: None,
     },
-    Budget { name: "multi", steps: 9_000, batch: 32, crop: 128, rate: "0.003", share: None, streamed: None },
+    Budget {
+        name: "multi",
+        steps: 1_500,
+        streamed: on(&MULTI, ["corrected", "16", "occluded-gather:high"]),
+        ..FILTER
+    },
     Budget {
         name: "real",
         steps: 20_000,
