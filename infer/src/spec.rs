@@ -165,8 +165,8 @@ impl NetSpec {
         reach: Reach,
     ) -> Option<Self> {
         use Attribute::{
-            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Glossiness, Light, Movement, Normal,
-            Openness, PixelRadius, RawOpenness, Relief, SignedCircle, Specular, ToCamera, WorldNormal,
+            Border, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
+            RawOpenness, Relief, SignedCircle,
         };
         let local = [Normal, Relief, PixelRadius, Border];
         let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();
@@ -179,9 +179,6 @@ impl NetSpec {
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),
             Effect::Sss => (filter(&[Normal, Relief, FreePathPixels]), Estimate, Light, 3),
             Effect::Aa => (filter(&[Normal, Relief]), Estimate, Light, 1),
-            Effect::Ibl => {
-                (vec![WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Estimate], Estimate, Estimate, 0)
-            }
             _ => return None,
         };
         // Where nothing moves the method's image is right: measured, the network's was not.

@@ -43,7 +43,6 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
         Effect::MotionBlur => vec![of("reconstruction", "high")],
         Effect::Sss => vec![of("separable", "ultra")],
         Effect::Aa => vec![of("fxaa", "high")],
-        Effect::Ibl => vec![of("prefiltered", "high")],
         _ => vec![of("gtao", "high")],
     }
 }
