@@ -36,7 +36,13 @@ READ = {
 
 
 #: What of them a pair has to hold.
-ESTIMATES = {"dof": ["ring-gather:high"], "sss": ["separable:ultra"]}
+ESTIMATES = {
+    "aa": ["fxaa:high"],
+    "dof": ["ring-gather:high"],
+    "motion-blur": ["reconstruction:high"],
+    "multi": ["occluded-gather:high"],
+    "sss": ["separable:ultra"],
+}
 
 
 def by_torch(network: Network, pair: Mapping[str, Tensor]) -> Tensor:

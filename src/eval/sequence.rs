@@ -253,8 +253,8 @@ impl Changes {
 }
 
 impl Flicker {
-    /// That of all changes of a sequence; none where no surface stays in sight. Sums of products of two halves
-    /// may be less than nothing, which counts as nothing.
+    /// That of all changes of a sequence; none where no surface stays in sight. Sums of products of two
+    /// halves may be less than nothing, which counts as nothing.
     fn of(all: &[Changes]) -> Option<Self> {
         let count = all.iter().map(|changes| changes.truth[0].len()).sum::<usize>();
         let root = |sum: f64| (sum / count as f64).max(0.0).sqrt();

@@ -64,12 +64,7 @@ const AO: Task = Task {
     methods: "learned,gtao,hbao",
     qualities: "low,medium,high,ultra",
 };
-const AA: Task = Task {
-    stream: "aa",
-    tests: &[("testset", "aa-test")],
-    methods: "learned,fxaa",
-    qualities: "low,medium,high,ultra",
-};
+const AA: Task = of_filter("aa", &[("testset", "aa-test")], "learned,fxaa");
 
 const GI: Task = Task {
     stream: "gi",
@@ -85,40 +80,29 @@ const DO: Task = Task {
     qualities: "low,medium,high",
 };
 
-const DOF: Task = Task {
-    stream: "dof",
-    tests: &[("testset", "dof-test")],
-    methods: "learned,ring-gather",
-    qualities: "low,medium,high,ultra",
-};
+const DOF: Task = of_filter("dof", &[("testset", "dof-test")], "learned,ring-gather");
 
-const MOTION_BLUR: Task = Task {
-    stream: "motion-blur",
-    tests: &[("testset", "motion-blur-test")],
-    methods: "learned,reconstruction",
-    qualities: "low,medium,high,ultra",
-};
+const MOTION_BLUR: Task =
+    of_filter("motion-blur", &[("testset", "motion-blur-test")], "learned,reconstruction");
 
-const MULTI: Task = Task {
-    stream: "multi",
-    tests: &[("testset", "multi-test")],
-    methods: "learned,occluded-gather",
-    qualities: "low,medium,high,ultra",
-};
+const MULTI: Task = of_filter("multi", &[("testset", "multi-test")], "learned,occluded-gather");
 
-const SSS: Task = Task {
-    stream: "sss",
-    tests: &[("testset", "sss-test")],
-    methods: "learned,separable",
-    qualities: "low,medium,high,ultra",
-};
+const SSS: Task = of_filter("sss", &[("testset", "sss-test")], "learned,separable");
+
+/// That of a filter of light, whose method is measured at all qualities.
+const fn of_filter(
+    stream: &'static str,
+    tests: &'static [(&'static str, &'static str)],
+    methods: &'static str,
+) -> Task {
+    Task { stream, tests, methods, qualities: "low,medium,high,ultra" }
+}
 
 /// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 40 of
-/// `ibl`. It makes a pair with 64 samples in five seconds. So data
-/// take half an hour, training about as long, and the runs of half and a quarter of the steps three quarters
-/// of that.
+/// `ibl`. It makes a pair with 64 samples in five seconds. So data take half an hour, training about as long,
+/// and the runs of half and a quarter of the steps three quarters of that.
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.

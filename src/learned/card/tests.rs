@@ -137,6 +137,7 @@ fn a_filter_of_light_is_estimated_and_exposed_on_the_card_as_on_the_processor() 
         (Effect::MotionBlur, "reconstruction"),
         (Effect::Sss, "separable"),
         (Effect::Multi, "occluded-gather"),
+        (Effect::Aa, "fxaa"),
     ];
     for (effect, method) in filters {
         let estimate = AnalyticEstimate::new(method, "medium");

@@ -66,7 +66,8 @@ pub(crate) fn last_layer(spec: &NetSpec) -> String {
     match spec.head {
         Head::Image => "makes the image".to_owned(),
         Head::Correction(Correction { of, over, levels, kernel, gain, gated }) => format!(
-            "corrects `{}`: adds a {} and weights of `{}`, {kernel}x{kernel} at each of {levels} resolutions{}",
+            "corrects `{}`: adds a {} and weights of `{}`, {kernel}x{kernel} at each of {levels} \
+             resolutions{}",
             of.name(),
             if gain { "gain" } else { "bias" },
             over.name(),
