@@ -86,6 +86,7 @@ fn entries() -> Vec<Entry> {
         screen(aov::bounced::AovBouncedZParameters::of, identity),
         screen(ssdo::SsdoParameters::of, identity),
         disks(surfel::SurfelParameters::of, surfel::directional::DIRECTIONAL),
+        disks(rays::BouncedZParameters::of, rays::directional::DIRECTIONAL),
         screen(ssgi::SsgiParameters::of, identity),
         disks(surfel::SurfelParameters::of, surfel::indirect::INDIRECT),
         disks(rays::BouncedZParameters::of, rays::indirect::INDIRECT),

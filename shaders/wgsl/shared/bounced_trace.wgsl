@@ -1,18 +1,15 @@
-// The bounced z-buffer (thesis 6.2 and 6.3), one invocation for each of a pixel's directions: along it, the
-// nearest surfel of the finest level that has one. As with splats, level l has one of 4^l surfels, another
-// one for each pixel of a square. Rays walk a tree over the surfels. The plain version is
-// render/src/methods/bounced_z/reference.rs.
+// The bounced z-buffer (thesis 6.2), one invocation for each of a pixel's directions: the nearest surfel
+// along it. Rays walk the tree over the surfels from the nearest box on, and leave out what begins behind
+// what they have met. The plain version is render/src/methods/bounced_z/reference.rs.
 
 #import shared/bounced_directions
 #import shared/bounced_none
 #import shared/bounded
-#import shared/interleaved
 #import shared/packing
 #import shared/surface
 #import shared/surfel
 #import shared/surfel_record
 #import shared/surfel_tree
-#import shared/surfel_walk
 #constant HEIGHT = 8
 
 /// What `methods/bounced_z/trace` reads.
@@ -23,12 +20,8 @@ struct Bounces {
     height: u32,
     /// Directions of a pixel.
     directions: u32,
-    /// Levels of the interleaved framebuffer.
-    levels: u32,
-    /// Chooses directions, and which pixel meets which surfels.
+    /// Chooses directions.
     seed: u32,
-    /// Where the shell of the finest level ends, over a surfel's radius.
-    shell: f32,
     /// How much larger than its own is the radius that rays meet.
     cover: f32,
     /// How far the effect reaches, metres.
@@ -48,107 +41,127 @@ struct Bounces {
 // Sine of the least angle between the way to a surfel and either surface: the point's own surface does not
 // hide it. Surfels' normals are rounded by nearly as much.
 const LEAST_SINE = 4.2e-3;
+// Rounding may not lose what is met at a box's corner.
+const SLACK = 1.00001;
+// Farther than any box.
+const NEVER = 3.0e38;
+// Nodes that wait: three of each height, and the one that is entered.
+const WAITING = 3u * HEIGHT + 1u;
 
-// What a ray has met so far.
-struct Hit {
-    // That of the shell around the surfel which the ray's origin is in, or NONE.
-    level: u32,
-    distance: f32,
-    surfel: u32,
-}
-
-// What the walk asks nodes about.
-struct Query {
+struct Ray {
     origin: vec3f,
     normal: vec3f,
     direction: vec3f,
     // One over the direction's components.
     inverse: vec3f,
-    level: u32,
 }
 
-// How far the middles of surfels are that are met on a level, if the largest has this radius.
-fn outer(level: u32, radius: f32) -> f32 {
-    let enlarged = radius * f32(1u << level);
-    return select(enlarged * bounces.shell, bounces.reach + enlarged * bounces.cover, level + 1u == bounces.levels);
+// What a ray has met so far, and how far along.
+struct Hit {
+    distance: f32,
+    surfel: u32,
 }
 
-// Whether a ray may meet a surfel below a node: one of its disks reaches beyond its box by its radius.
-fn reaches(node: Node, ray: Query) -> bool {
-    let gap = max(max(ray.origin - node.high.xyz, node.low.xyz - ray.origin), vec3f(0.0));
-    let farthest = outer(ray.level, node.low.w);
-    let widened = node.low.w * f32(1u << ray.level) * bounces.cover;
+// A node that a ray has yet to enter, and where it does.
+struct Waiting {
+    height: u32,
+    index: u32,
+    enters: f32,
+}
+
+var<private> waiting: array<Waiting, WAITING>;
+
+// Where a ray enters the box of a node, NEVER if it does not before `nearest`. Disks reach beyond the box by
+// their radius.
+fn entered(height: u32, index: u32, ray: Ray, nearest: f32) -> f32 {
+    if first_surfel(height, index) >= totals.kept {
+        return NEVER;
+    }
+    let node = nodes[node_index(height, index)];
+    let widened = node.low.w * bounces.cover;
     let a = (node.low.xyz - widened - ray.origin) * ray.inverse;
     let b = (node.high.xyz + widened - ray.origin) * ray.inverse;
     let first = min(a, b);
     let last = max(a, b);
     let enters = max(max(first.x, first.y), max(first.z, 0.0));
-    let leaves = min(min(last.x, last.y), min(last.z, bounces.reach));
-    // Rounding may not lose what is met at a corner.
-    return dot(gap, gap) <= farthest * farthest && enters <= leaves * 1.00001;
+    let leaves = min(min(last.x, last.y), min(last.z, nearest));
+    return select(NEVER, enters, enters <= leaves * SLACK);
 }
 
-// Whether one hit is in front of another: the finer level wins, and of a level the nearer.
-fn precedes(a: Hit, b: Hit) -> bool {
-    if a.level != b.level {
-        return a.level < b.level;
-    }
-    return a.distance < b.distance || (a.distance == b.distance && a.surfel < b.surfel);
-}
-
-// Where a ray meets a surfel, as large as the shell wants that its origin is in, but of no coarser level than
-// the ray's.
-fn hit_of(which: u32, ray: Query) -> Hit {
-    let none = Hit(NONE, 0.0, 0u);
+// Where a ray meets a surfel, or what it has met before if that is nearer. The first of two as near wins.
+fn nearer(which: u32, ray: Ray, before: Hit) -> Hit {
     let surfel = surfels[which];
     let way = surfel.place - ray.origin;
-    let squared = dot(way, way);
-    let own_radius = surfel_radius(surfel);
-    let farthest = outer(ray.level, own_radius);
     let normal = surfel_normal(surfel);
     let height = dot(way, normal);
-    let least = LEAST_SINE * sqrt(squared);
+    let least = LEAST_SINE * length(way);
     let slope = dot(ray.direction, normal);
-    if squared >= farthest * farthest || dot(way, ray.normal) <= least || abs(height) <= least || abs(slope) < 1e-6 {
-        return none;
-    }
-    let finest_shell = max(own_radius * bounces.shell, 1e-18);
-    let shells_out = ceil(0.5 * log2(squared / (finest_shell * finest_shell)));
-    let level = u32(clamp(shells_out, 0.0, f32(ray.level)));
-    let radius = own_radius * f32(1u << level) * bounces.cover;
-    let distance = height / slope;
+    let radius = surfel_radius(surfel) * bounces.cover;
+    let distance = height / select(slope, 1.0, abs(slope) < 1e-6);
     let off = distance * ray.direction - way;
-    if distance <= 0.0 || distance >= bounces.reach || dot(off, off) >= radius * radius {
-        return none;
+    let is_met = dot(way, ray.normal) > least && abs(height) > least && abs(slope) >= 1e-6
+        && distance > 0.0 && dot(off, off) < radius * radius;
+    let is_nearer = distance < before.distance || (distance == before.distance && which < before.surfel);
+    if is_met && is_nearer {
+        return Hit(distance, which);
     }
-    return Hit(level, distance, which);
+    return before;
 }
 
-// What a ray meets among the surfels of one level that a pixel has, or what it has met before.
-fn nearest(ray: Query, first: u32, before: Hit, pixel: vec2u) -> Hit {
-    var hit = before;
-    let leaves = bounded(ray.level, pixel);
-    var walk = next_leaf(Walk(HEIGHT, 0u), leaves, ray);
-    while goes_on(walk) {
-        let begin = first_surfel(walk.height, walk.index) + first;
-        for (var i = 0u; i < LEAF; i++) {
-            let which = begin + (i << (2u * leaves));
-            if which >= totals.kept {
-                break;
+// Puts the nodes below one among those that wait, the nearest last; how many wait then.
+fn enter(height: u32, index: u32, ray: Ray, nearest: f32, count: u32) -> u32 {
+    var top = count;
+    for (var child = 0u; child < 4u; child++) {
+        let enters = entered(height - 1u, 4u * index + child, ray, nearest);
+        if enters == NEVER {
+            continue;
+        }
+        var place = top;
+        while place > count && waiting[place - 1u].enters < enters {
+            waiting[place] = waiting[place - 1u];
+            place -= 1u;
+        }
+        waiting[place] = Waiting(height - 1u, 4u * index + child, enters);
+        top += 1u;
+    }
+    return top;
+}
+
+// What a ray meets first, if anything within the effect's reach.
+fn nearest(ray: Ray) -> Hit {
+    var hit = Hit(bounces.reach, NONE);
+    waiting[0] = Waiting(HEIGHT, 0u, entered(HEIGHT, 0u, ray, hit.distance));
+    var count = 1u;
+    while count > 0u {
+        // A loop of its own, so that all invocations of a workgroup look at leaves together.
+        var leaf = NONE;
+        while count > 0u && leaf == NONE {
+            count -= 1u;
+            let node = waiting[count];
+            if node.enters > hit.distance {
+                continue;
             }
-            let other = hit_of(which, ray);
-            if precedes(other, hit) {
-                hit = other;
+            if node.height == 0u {
+                leaf = node.index;
+            } else {
+                count = enter(node.height, node.index, ray, hit.distance, count);
             }
         }
-        walk = next_leaf(after(walk), leaves, ray);
+        if leaf == NONE {
+            break;
+        }
+        let begin = first_surfel(0u, leaf);
+        let end = min(begin + LEAF, totals.kept);
+        for (var which = begin; which < end; which++) {
+            hit = nearer(which, ray, hit);
+        }
     }
     return hit;
 }
 
 // What the passes after this one read of a hit.
 fn met_word(hit: Hit, direction: vec3f) -> u32 {
-    if hit.level == NONE {
+    if hit.surfel == NONE {
         return NONE;
     }
     return 2u * hit.surfel + select(0u, 1u, dot(direction, surfel_normal(surfels[hit.surfel])) >= 0.0);
@@ -170,12 +183,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let position = surface_position(at, pixels);
     let normal = surface_normal(at, pixels);
     let direction = direction_of(reflector, place_on_disk(pixel, id.z, vec2u(bounces.directions, bounces.seed)));
-    let levels = bounded(bounces.levels, pixel);
-    var hit = Hit(NONE, 0.0, 0u);
-    for (var level = 0u; level < levels; level++) {
-        let ray = Query(position, normal, direction, inverse_of(direction), level);
-        hit = nearest(ray, number_in_square(pixel, level, bounces.seed), hit, pixel);
-    }
+    let hit = nearest(Ray(position, normal, direction, inverse_of(direction)));
     directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
     met[at + id.z * pixels] = met_word(hit, direction);
 }

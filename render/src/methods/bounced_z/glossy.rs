@@ -3,7 +3,7 @@
 
 use super::BouncedZParameters;
 use super::indirect::LIGHT;
-use super::passes::Rays;
+use super::passes::{Arrives, Rays};
 use super::reference::{Arriving, shade};
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe::{self, Gloss};
@@ -19,14 +19,14 @@ pub const GLOSSY: DiskEffect<BouncedZParameters> = DiskEffect {
     lit: Some(SurfelLight::Reflected),
     passes: Rays {
         trace: Shader::at("methods/bounced-z/glossy_trace"),
-        arrive: Shader::at("methods/bounced-z/light"),
+        arrives: Arrives::OfSurfels(Shader::at("methods/bounced-z/light")),
         filter: Shader::at("methods/bounced-z/glossy_filter"),
     },
     plain: |plain, disks| {
         let (gloss, surface) = (Gloss::of(plain.gbuffer)?, plain.surface);
         let lobe = |at| gloss.lobe_at(surface, at).filter(|lobe| lobe.usual_colour() != Vec3::ZERO);
         let arriving = Arriving { effect: Effect::Glossy, ..LIGHT };
-        Ok(shade(surface, &lobe, disks, arriving, (plain.parameters, plain.view)))
+        Ok(shade(surface, &lobe, disks, &arriving, (plain.parameters, plain.view)))
     },
     on_processor: None,
 };

@@ -2,7 +2,7 @@
 //! scene's lights with shadows; of `phosphor-gi` what they give back of light that they kept. Surfels without
 //! light hide those behind them, so none is left out.
 
-use super::passes::Rays;
+use super::passes::{Arrives, Rays};
 use super::reference::{Arriving, shade};
 use super::{BouncedZParameters, Matte};
 use crate::methods::disks::{DiskEffect, SURFACE};
@@ -13,9 +13,9 @@ use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
 /// What disks send.
-pub const LIGHT: Arriving = Arriving {
+pub const LIGHT: Arriving<'_> = Arriving {
     effect: Effect::Gi,
-    of: |met, direction| met.map_or(Vec3::ZERO, |disk| sent(direction, disk)),
+    of: &|met, direction| met.map_or(Vec3::ZERO, |disk| sent(direction, disk)),
 };
 
 /// The effect `gi`.
@@ -25,12 +25,12 @@ pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {
     lit: Some(SurfelLight::Reflected),
     passes: Rays {
         trace: Shader::at("methods/bounced-z/trace"),
-        arrive: Shader::at("methods/bounced-z/light"),
+        arrives: Arrives::OfSurfels(Shader::at("methods/bounced-z/light")),
         filter: Shader::at("methods/bounced-z/filter"),
     },
     plain: |plain, disks| {
         let matte = Matte::all_over(plain.surface);
-        Ok(shade(plain.surface, &matte, disks, LIGHT, (plain.parameters, plain.view)))
+        Ok(shade(plain.surface, &matte, disks, &LIGHT, (plain.parameters, plain.view)))
     },
     on_processor: None,
 };

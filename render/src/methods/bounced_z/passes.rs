@@ -1,13 +1,13 @@
 //! What runs on the GPU: surfels and their tree, the rays of every pixel, the filter.
 
-use super::BouncedZParameters;
+use super::{BouncedZParameters, directional};
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe;
 use crate::raster::groups;
 use crate::screen::{MethodStep, Resources, View};
 use crate::surfels::{Tree, frame, light};
 use bytemuck::bytes_of;
-use deepshade_shaders::gpu::{self, GpuError};
+use deepshade_shaders::gpu::{self, GpuError, Pass};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, Effect};
 
@@ -17,15 +17,57 @@ pub struct Rays {
     /// What a pixel's rays meet.
     pub trace: Shader,
     /// What arrives from there.
-    pub arrive: Shader,
+    pub arrives: Arrives,
     /// What brings neighbours' rays together.
     pub filter: Shader,
+}
+
+/// What arrives along rays.
+#[derive(Clone, Copy, Debug)]
+pub enum Arrives {
+    /// What a pass makes of the surfels that are met.
+    OfSurfels(Shader),
+    /// Light of the environment.
+    OfEnvironment,
+}
+
+/// What the passes after the rays are bound to.
+#[derive(Debug)]
+pub struct TracedRays<'a> {
+    /// The filter's uniform buffer.
+    pub window: &'a wgpu::Buffer,
+    /// Position, normal, and validity or gloss of every pixel.
+    pub surface: [&'a wgpu::Buffer; 3],
+    /// Into which pixels look, `[directions, height, width]`.
+    pub directions: wgpu::Buffer,
+    /// What they meet there, and then what arrives from there, of the same shape.
+    pub arrived: wgpu::Buffer,
+    /// How many rays there are.
+    pub count: usize,
+    /// What brings those of neighbours together.
+    pub filter: Pass,
+}
+
+impl TracedRays<'_> {
+    /// The pass that brings together what has arrived.
+    ///
+    /// # Errors
+    /// If the device refuses a binding.
+    pub fn filtered(
+        &self,
+        to: &Resources<'_>,
+        arrived: &wgpu::Buffer,
+        image: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let reads = [&[self.window], &self.surface[..], &[&self.directions, arrived]].concat();
+        MethodStep::bind(to.device, &self.filter, to.whole(), &reads, &[image])
+    }
 }
 
 /// The contents of the passes' uniform buffers.
 pub fn uniforms(parameters: &BouncedZParameters, effect: Effect, view: &View) -> Vec<Vec<u8>> {
     let window = super::window(&parameters.filter, parameters.directions, effect, view);
-    let own = [bytes_of(&parameters.bounces(view)).to_vec(), bytes_of(&window).to_vec()];
+    let own = [bytes_of(&parameters.bounces(effect, view)).to_vec(), bytes_of(&window).to_vec()];
     frame::uniforms(&parameters.surfels, view).chain(own).collect()
 }
 
@@ -42,7 +84,7 @@ pub fn steps(
         unreachable!("rays and filter have a uniform buffer each")
     };
     let (device, world, lit) = (to.device, to.scene()?, effect.lit);
-    let Rays { trace, arrive, filter } = effect.passes;
+    let Rays { trace, arrives, filter } = effect.passes;
     let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::All, lit)?;
     let count = directions as usize * to.size().iter().product::<usize>();
     let samples = |label: &str| gpu::empty::<u32>(device, label, count);
@@ -57,12 +99,18 @@ pub fn steps(
     let reads = [&[bounces], &surface[..], &met].concat();
     let (trace, rays) = (device.pass(trace, &[])?, [columns, rows, directions]);
     steps.push(MethodStep::bind(device, &trace, rays, &reads, &[&ways, &arrived])?);
-    let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
-    let arrive = device.pass(arrive, &[])?;
-    steps.push(MethodStep::bind_at(device, &arrive, groups(count), &reads, &[(0, &arrived)])?);
-    let reads = [&[window], &surface[..], &[&ways, &arrived]].concat();
     let filter = device.pass(filter, &[("CHANNELS", effect.effect.channels() as u32)])?;
-    steps.push(MethodStep::bind(device, &filter, to.whole(), &reads, &[to.output])?);
+    let traced = TracedRays { window, surface, directions: ways, arrived, count, filter };
+    match arrives {
+        Arrives::OfSurfels(arrive) => {
+            let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
+            let arrive = device.pass(arrive, &[])?;
+            let writes = [(0, &traced.arrived)];
+            steps.push(MethodStep::bind_at(device, &arrive, groups(count), &reads, &writes)?);
+            steps.push(traced.filtered(to, &traced.arrived, to.output)?);
+        }
+        Arrives::OfEnvironment => steps.extend(directional::steps(&traced, &of_surfels[1], to)?),
+    }
     steps.extend(light::ending(device, world, lit, to.output)?);
     Ok(steps)
 }

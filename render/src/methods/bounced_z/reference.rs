@@ -1,5 +1,4 @@
-//! The bounced z-buffer in plain Rust: every ray against every disk of its sub-buffers, without a tree, and
-//! the filter.
+//! The bounced z-buffer in plain Rust: every ray against every disk, without a tree, and the filter.
 
 use super::{BouncedZParameters, Reflector};
 use crate::methods::Surface;
@@ -77,33 +76,11 @@ pub fn place_on_disk(pixel: UVec2, number: u32, [directions, seed]: [u32; 2]) ->
     Vec2::new(squared, (GOLDEN_TURN * which + draw(1)).fract() - 0.5)
 }
 
-/// The disk that a pixel's ray meets: the nearest of the finest level that has one.
-pub fn met<'a>(bounces: &uniforms::Bounces, disks: &'a [Disk], ray: &Ray, pixel: UVec2) -> Option<&'a Disk> {
-    let of_level = |level: u32| {
-        let first = number_in_square(pixel, level, bounces.seed) as usize;
-        let its = disks.iter().enumerate().skip(first).step_by(1 << (2 * level));
-        its.filter_map(move |(index, disk)| {
-            let (shell, distance) = hit(bounces, level, disk, ray)?;
-            Some((shell, distance, index))
-        })
-    };
-    let hits = (0..bounces.levels).flat_map(of_level);
-    let first = hits.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
-    first.map(|(_, _, index)| &disks[index])
-}
-
-/// On which level a ray meets a disk of a sub-buffer of `level`, and how far along.
-fn hit(bounces: &uniforms::Bounces, level: u32, disk: &Disk, ray: &Ray) -> Option<(u32, f32)> {
-    let away = disk.place.distance(ray.origin);
-    let size = |level: u32| (1u32 << level) as f32;
-    let last = level + 1 == bounces.levels;
-    if !last && away >= disk.radius * bounces.shell * size(level) {
-        return None;
-    }
-    let inside = |shell: &u32| away <= disk.radius * bounces.shell * size(*shell);
-    let shell = (0..level).find(inside).unwrap_or(level);
-    let distance = ray.distance(disk, size(shell) * bounces.cover)?;
-    (distance < bounces.reach).then_some((shell, distance))
+/// The disk that a ray meets: the nearest, and of two as near the first.
+pub fn met<'a>(bounces: &uniforms::Bounces, disks: &'a [Disk], ray: &Ray) -> Option<&'a Disk> {
+    let hits = disks.iter().filter_map(|disk| Some((ray.distance(disk, bounces.cover)?, disk)));
+    let within = hits.filter(|(distance, _)| *distance < bounces.reach);
+    within.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, disk)| disk)
 }
 
 /// The samples of a pixel.
@@ -112,25 +89,25 @@ fn samples(
     disks: &[Disk],
     bounces: &uniforms::Bounces,
     reflector: &impl Reflector,
-    (at, arriving): (IVec2, Arriving),
+    (at, arriving): (IVec2, &Arriving<'_>),
 ) -> Vec<Sample> {
     let (origin, normal) = (surface.position_at(at), surface.normal_at(at));
     let sample = |number| {
         let place = place_on_disk(at.as_uvec2(), number, [bounces.directions, bounces.seed]);
         let direction = reflector.direction(place);
-        let met = met(bounces, disks, &Ray { origin, normal, direction }, at.as_uvec2());
+        let met = met(bounces, disks, &Ray { origin, normal, direction });
         Sample { direction, arrived: (arriving.of)(met, direction) }
     };
     (0..bounces.directions).map(sample).collect()
 }
 
 /// What rays bring.
-#[derive(Clone, Copy, Debug)]
-pub struct Arriving {
+#[derive(Clone, Copy)]
+pub struct Arriving<'a> {
     /// Of which effect.
     pub effect: Effect,
     /// The radiance that arrives along a ray in a direction, of the disk that it meets or of none.
-    pub of: fn(Option<&Disk>, Vec3) -> Vec3,
+    pub of: &'a (dyn Fn(Option<&Disk>, Vec3) -> Vec3 + Sync),
 }
 
 /// The effect, `[channels, height, width]`; `reflectors` says how each pixel's surface reflects, if it does.
@@ -138,10 +115,10 @@ pub fn shade<R: Reflector>(
     surface: &Surface,
     reflectors: &(impl Fn(IVec2) -> Option<R> + Sync),
     disks: &[Disk],
-    arriving: Arriving,
+    arriving: &Arriving<'_>,
     (parameters, view): (&BouncedZParameters, &View),
 ) -> Planes {
-    let bounces = parameters.bounces(view);
+    let bounces = parameters.bounces(arriving.effect, view);
     let window = super::window(&parameters.filter, parameters.directions, arriving.effect, view);
     reconstruction(surface, &window, arriving.effect, reflectors, |at, reflector| {
         samples(surface, disks, &bounces, reflector, (at, arriving))

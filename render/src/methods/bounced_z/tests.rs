@@ -1,5 +1,6 @@
 //! Closed forms, what hides what, and the passes against the plain version.
 
+use super::directional::DIRECTIONAL;
 use super::indirect::{INDIRECT, LIGHT};
 use super::occlusion::{OCCLUSION, SKY};
 use super::reference::{Arriving, LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
@@ -13,9 +14,10 @@ use crate::methods::proving::{
 };
 use crate::methods::surfel::reference::form_factor;
 use crate::methods::{Quality, Surface, blur, surfel};
+use crate::path::proving::with_environment;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::Family;
-use crate::scene::{Camera, Scene};
+use crate::scene::{Camera, Environment, Scene};
 use crate::screen::{ScreenMethod, View};
 use crate::surfels::reference::Disk;
 use crate::surfels::{self, Surfel};
@@ -27,8 +29,6 @@ use std::f32::consts::TAU;
 /// Every pixel meets all surfels and keeps its own samples.
 const PLAIN: BouncedZParameters = BouncedZParameters {
     surfels: surfels::SurfelDensity { scale: 0.02, near: 0.25 },
-    threshold: 0.05,
-    levels: 1,
     directions: 16,
     filter: blur::BlurParameters { radius: 0, sharpness: 512.0 },
 };
@@ -60,7 +60,7 @@ fn normals_of_surfels_are_rounded_by_less_than_the_least_angle_and_by_nearly_as_
 
 /// Directions from points with a normal, of all pixels of an image of 32 x 32.
 fn directions(parameters: &BouncedZParameters, normal: Vec3) -> impl Iterator<Item = (UVec2, Vec3)> {
-    let bounces = parameters.bounces(&view(32, 32, 100.0));
+    let bounces = parameters.bounces(Effect::Ao, &view(32, 32, 100.0));
     let of_pixel = move |pixel| {
         (0..bounces.directions).map(move |number| {
             let place = place_on_disk(pixel, number, [bounces.directions, bounces.seed]);
@@ -92,11 +92,11 @@ fn directions_are_spread_by_their_cosine() {
 }
 
 /// What arrives on an upward surface at a point, the mean over the directions of many pixels.
-fn arriving(what: Arriving, disks: &[Disk], origin: Vec3, parameters: &BouncedZParameters) -> Vec3 {
-    let bounces = parameters.bounces(&view(32, 32, 100.0));
-    let radiance = |(pixel, direction)| {
+fn arriving(what: Arriving<'_>, disks: &[Disk], origin: Vec3, parameters: &BouncedZParameters) -> Vec3 {
+    let bounces = parameters.bounces(what.effect, &view(32, 32, 100.0));
+    let radiance = |(_, direction)| {
         let ray = Ray { origin, normal: Vec3::Y, direction };
-        (what.of)(met(&bounces, disks, &ray, pixel), direction)
+        (what.of)(met(&bounces, disks, &ray), direction)
     };
     let all: Vec<Vec3> = directions(parameters, Vec3::Y).map(radiance).collect();
     all.iter().sum::<Vec3>() / all.len() as f32
@@ -196,7 +196,7 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
         &surface,
         &Matte::all_over(&surface),
         &disks,
-        LIGHT,
+        &LIGHT,
         (&BouncedZParameters { directions: 4, filter, ..PLAIN }, &view),
     );
     // A wall of height H at distance d sends radiance L: L (1 - d / sqrt(d^2 + H^2)) / 2, were it endless;
@@ -219,27 +219,6 @@ fn a_lit_wall_lights_the_floor_as_a_closed_form_says() {
     assert!(ratio.cmpgt(Vec3::splat(0.8)).all() && ratio.cmplt(Vec3::splat(1.03)).all(), "{ratio}");
 }
 
-#[test]
-fn without_a_threshold_levels_change_nothing() {
-    let (scene, view, gbuffer) = seen(Family::StillLife, 20, 28);
-    let surface = Surface::of(&gbuffer).expect("a surface");
-    let disks = surfels::reference::surfels(scene.scene(), &PLAIN.surfels, &view);
-    let shaded = |threshold, levels| {
-        shade(
-            &surface,
-            &Matte::all_over(&surface),
-            &disks,
-            SKY,
-            (&BouncedZParameters { threshold, levels, ..FEW }, &view),
-        )
-    };
-    let exact = shaded(0.05, 1);
-    assert_eq!(shaded(1e-9, 4).data(), exact.data());
-    let off = |threshold| mean_difference(&shaded(threshold, 4), &exact);
-    let [fine, coarse] = [off(0.01), off(0.5)];
-    assert!(0.0 < fine && fine < coarse && fine < 0.06, "{fine} and {coarse}");
-}
-
 /// A surface that is anything but flat.
 fn bumpy() -> Surface {
     Surface::of(&still_life(40, 56)).expect("a surface")
@@ -251,7 +230,7 @@ fn the_filter_keeps_an_even_sky() {
         &bumpy(),
         &Matte::all_over(&bumpy()),
         &[],
-        SKY,
+        &SKY,
         (&BouncedZParameters::of(Quality::High), &view(40, 56, 1.0)),
     );
     assert!(image.data().iter().all(|open| (open - 1.0).abs() < 1e-5));
@@ -272,7 +251,7 @@ fn the_filter_removes_noise() {
             &surface,
             &Matte::all_over(&surface),
             &disks,
-            SKY,
+            &SKY,
             (&BouncedZParameters { directions, filter, ..PLAIN }, &view),
         )
     };
@@ -287,17 +266,11 @@ fn the_passes_make_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let coarse = surfels::SurfelDensity { scale: 0.05, near: 0.25 };
     let mut method = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), OCCLUSION));
-    for (family, [height, width], levels, directions) in [
-        (Family::StillLife, [27, 35], 4, 3),
-        (Family::Room, [24, 32], 1, 16),
-        (Family::Shelves, [21, 43], 6, 1),
-    ] {
-        let parameters = BouncedZParameters {
-            surfels: coarse,
-            levels,
-            directions,
-            ..BouncedZParameters::of(Quality::High)
-        };
+    for (family, [height, width], directions) in
+        [(Family::StillLife, [27, 35], 3), (Family::Room, [24, 32], 16), (Family::Shelves, [21, 43], 1)]
+    {
+        let parameters =
+            BouncedZParameters { surfels: coarse, directions, ..BouncedZParameters::of(Quality::High) };
         method = method.with(Disks::new(parameters, OCCLUSION));
         // A ray that just meets a disk in one may just miss it in the other: 0.0047 on an H100.
         prove_twin(&method, &seen(family, height, width), Tolerance { usual: 5e-3, worst: 0.1 });
@@ -308,10 +281,68 @@ fn the_passes_make_what_the_plain_version_does() {
 fn the_passes_light_as_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let surfels = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
-    let parameters = BouncedZParameters { surfels, levels: 4, ..BouncedZParameters::of(Quality::High) };
+    let parameters = BouncedZParameters { surfels, ..BouncedZParameters::of(Quality::High) };
     let method = ScreenMethod::new(&gpu, Disks::new(parameters, INDIRECT));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
+}
+
+/// Bright above, red on one side.
+fn dusk() -> Environment {
+    let texel = |i: usize| Vec3::new(1.0 + (i % 8) as f32 / 4.0, 1.0, 1.0) * (3 - i / 8) as f32;
+    Environment::new("dusk".as_ref(), 8, 4, (0..32).map(texel).collect()).expect("radiance")
+}
+
+#[test]
+fn the_passes_see_of_the_sky_what_the_plain_version_does() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let surfels = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
+    let parameters = BouncedZParameters { surfels, ..BouncedZParameters::of(Quality::High) };
+    let method = ScreenMethod::new(&gpu, Disks::new(parameters, DIRECTIONAL));
+    let (scene, view, gbuffer) = seen(Family::StillLife, 27, 35);
+    let scene = with_environment(scene, dusk().rotated(0.7));
+    prove_twin(&method, &(scene, view, gbuffer), Tolerance { usual: 5e-3, worst: 0.3 });
+}
+
+#[test]
+fn of_an_even_sky_the_share_is_that_which_is_open() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let (scene, view, gbuffer) = seen(Family::StillLife, 24, 32);
+    let radiance = Vec3::new(2.0, 1.0, 0.5);
+    let scene = with_environment(scene, Environment::uniform(radiance));
+    let frame =
+        Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
+    let shaded = |effect| {
+        let method = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), effect));
+        method.shade(&frame, Repeats::ONCE).expect("an image").image
+    };
+    let (open, light) = (shaded(OCCLUSION), shaded(DIRECTIONAL));
+    let valid = gbuffer.seen().expect("a mask");
+    for (c, radiance) in radiance.to_array().into_iter().enumerate() {
+        for ((open, light), valid) in open.plane(0).iter().zip(light.plane(c)).zip(&valid) {
+            let wanted = if *valid { radiance * open } else { 0.0 };
+            assert!((light - wanted).abs() < 5e-3 * radiance, "{light} in place of {wanted}");
+        }
+    }
+}
+
+#[test]
+fn in_a_room_it_is_nearer_to_truth_than_what_adds_all_surfels_up() {
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let (scene, view, gbuffer) = seen(Family::Room, 96, 128);
+    let scene = with_environment(scene, dusk());
+    let frame =
+        Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
+    let shot = Shot::new(&scene, &view.camera, [96, 128], view.radius);
+    let truth = path::render(Effect::Do, &shot, Sampling::one(128, 1)).mean;
+    let off = |method: &dyn Method| {
+        mean_difference(&method.shade(&frame, Repeats::ONCE).expect("an image").image, &truth)
+    };
+    let bounced = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), DIRECTIONAL));
+    let added = surfel::SurfelParameters::of(Quality::High);
+    let surfel = ScreenMethod::new(&gpu, Disks::new(added, surfel::directional::DIRECTIONAL));
+    let [near, far] = [off(&bounced), off(&surfel)];
+    assert!(near < 0.5 * far, "{near} off, all surfels {far}");
 }
 
 #[test]

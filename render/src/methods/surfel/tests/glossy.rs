@@ -118,11 +118,8 @@ fn the_passes_reflect_as_the_plain_versions_do() {
     let coarse = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
     let parameters = SurfelParameters { surfels: coarse, levels: 4, ..SurfelParameters::of(Quality::High) };
     let surfel = ScreenMethod::new(&gpu, Disks::new(parameters, GLOSSY));
-    let parameters = bounced_z::BouncedZParameters {
-        surfels: coarse,
-        levels: 4,
-        ..bounced_z::BouncedZParameters::of(Quality::High)
-    };
+    let parameters =
+        bounced_z::BouncedZParameters { surfels: coarse, ..bounced_z::BouncedZParameters::of(Quality::High) };
     let bounced = ScreenMethod::new(&gpu, Disks::new(parameters, bounced_z::glossy::GLOSSY));
     // Shadow maps end within a texel of where shadows do; radiance has nine bits.
     for roughness in [0.1, 0.5] {
