@@ -173,8 +173,6 @@ impl NetSpec {
         let (inputs, of, over, levels) = match effect {
             Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
             Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
-            Effect::PhosphorGi => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
-            Effect::FogDirect => (vec![Normal, Relief, PixelRadius, Light, Estimate], Estimate, Estimate, 3),
             Effect::Do => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
             Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),

@@ -37,8 +37,6 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     let of = AnalyticEstimate::new;
     match effect {
         Effect::Gi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
-        Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
-        Effect::FogDirect => vec![of("froxel", "low")],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
         Effect::Dof => vec![of("ring-gather", "high")],
         Effect::Multi => vec![of("occluded-gather", "high")],

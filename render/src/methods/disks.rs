@@ -26,6 +26,11 @@ pub trait ByDisks: Copy + Debug + Send + Sync {
     #[must_use]
     fn sane(self) -> Self;
 
+    /// These for an effect that reaches so many times as far, with surfels as large and surfaces as sharply
+    /// kept apart.
+    #[must_use]
+    fn reaching(self, times: f32) -> Self;
+
     /// How finely the scene is laid out.
     fn surfels(&self) -> &surfels::SurfelDensity;
 

@@ -1,4 +1,4 @@
-//! The pass that lights surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3,
+//! The passes that light surfels by a scene's lights, with shadows by the lights' maps (thesis 4.3,
 //! "One-bounce Indirect Illumination"). What they send is in a buffer of its own, which effects without light
 //! do not have.
 
@@ -9,10 +9,10 @@ use crate::raster::light::{Lights, shadow_sampler};
 use crate::raster::medium::MediumOnGpu;
 use crate::raster::patches::Reflectance;
 use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
-use deepshade_shaders::gpu::GpuError;
+use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 
-/// What of the lights surfels send.
+/// What surfels send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfelLight {
     /// What they reflect diffusely, on either side.
@@ -22,6 +22,8 @@ pub enum SurfelLight {
         /// By the mean of its coefficients over the colours.
         is_grey: bool,
     },
+    /// What they reflect of light that the medium between them and the lamps has dimmed, and what they emit.
+    DimmedAndEmitted,
     /// What they receive, as white ones reflect it, of both sides together.
     Received,
     /// What they give back of light that they kept.
@@ -33,7 +35,7 @@ impl SurfelLight {
     /// all that they reflect, as truth of fog has it.
     pub fn reflectance(lit: Option<Self>) -> Reflectance {
         match lit {
-            Some(Self::Dimmed { .. }) => Reflectance::All,
+            Some(Self::Dimmed { .. } | Self::DimmedAndEmitted) => Reflectance::All,
             None | Some(Self::Reflected | Self::Received | Self::Kept) => Reflectance::Diffuse,
         }
     }
@@ -73,8 +75,8 @@ pub fn steps(
     let (shader, constants) = match lit {
         SurfelLight::Kept => return kept::steps(device, world, cloud, sent),
         SurfelLight::Reflected => (Shader::at("surfels/reflected"), vec![count]),
-        SurfelLight::Dimmed { is_grey } => {
-            let grey = ("GREY", u32::from(is_grey));
+        SurfelLight::Dimmed { .. } | SurfelLight::DimmedAndEmitted => {
+            let grey = ("GREY", u32::from(lit == SurfelLight::Dimmed { is_grey: true }));
             (Shader::at("surfels/dimmed"), vec![count, ("MEDIUM", world.medium.kind), grey])
         }
         SurfelLight::Received => (Shader::at("surfels/received"), vec![count]),
@@ -90,11 +92,27 @@ pub fn steps(
         wgpu::BindingResource::Sampler(&sampler),
         sent.as_entire_binding(),
     ]);
-    if matches!(lit, SurfelLight::Dimmed { .. }) {
+    if matches!(lit, SurfelLight::Dimmed { .. } | SurfelLight::DimmedAndEmitted) {
         let MediumOnGpu { record, densities, .. } = &world.medium;
         resources.extend([record.as_entire_binding(), wgpu::BindingResource::TextureView(densities)]);
     }
     let pass = pass.bind(device, &resources)?;
     let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
-    Ok(vec![MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![sent.clone()] }])
+    let lamps = MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![sent.clone()] };
+    let emits = lit == SurfelLight::DimmedAndEmitted && world.scene().emits();
+    let emission = emits.then(|| emit_step(device, world, cloud, sent)).transpose()?;
+    Ok([Some(lamps), emission].into_iter().flatten().collect())
+}
+
+/// The pass that adds what surfels emit to what they send.
+fn emit_step(
+    device: &Device,
+    world: &World,
+    Cloud { totals, surfels, starts, .. }: &Cloud,
+    sent: &wgpu::Buffer,
+) -> Result<MethodStep, GpuError> {
+    let emissions = gpu::storage(device, "surfels.emissions", &world.emissions())?;
+    let pass = device.pass(Shader::at("surfels/emit"), &[])?;
+    let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
+    MethodStep::bind(device, &pass, workgroups, &[totals, surfels, starts, &emissions], &[sent])
 }

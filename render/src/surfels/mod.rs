@@ -18,7 +18,7 @@
 //!
 //! Limits. Where more than [`MOST`] are wanted, which of them stand for all changes with their number.
 //! Surfels have the normals of their triangles, not those that smooth meshes are shaded with. Lamps light
-//! them; emissive triangles and the environment do not.
+//! them; emissive triangles and the environment do not, though surfels may send what they emit.
 
 pub mod cloud;
 pub mod frame;

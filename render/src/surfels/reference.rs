@@ -4,7 +4,8 @@ use super::{MOST, Surfel, SurfelDensity, SurfelLight};
 use crate::bvh::TracedScene;
 use crate::path::lights::Arrival;
 use crate::path::phosphor::Afterglow;
-use crate::raster::patches::{self, Patch, Reflectance};
+use crate::raster::geometry::draws_of;
+use crate::raster::patches::{self, Emission, Patch, Reflectance};
 use crate::scene::medium::POINTS;
 use crate::scene::{Camera, Medium, Mesh, Scene};
 use crate::screen::View;
@@ -37,7 +38,7 @@ pub struct Disk {
     pub open: bool,
     /// Index of the patch that it stands for a part of.
     pub patch: u32,
-    /// Diffusely reflected radiance on the side of the normal and on the other; black until it is [`lit`].
+    /// Radiance on the side of the normal and on the other; black until it is [`lit`].
     pub sent: [Vec3; 2],
 }
 
@@ -259,8 +260,16 @@ pub fn lit(
     let medium = match lit {
         SurfelLight::Kept => return giving_back(scene, disks, patches),
         SurfelLight::Dimmed { is_grey: true } => scene.scene().medium.as_deref().map(Medium::in_grey),
-        SurfelLight::Dimmed { is_grey: false } => scene.scene().medium.as_deref().cloned(),
+        SurfelLight::Dimmed { is_grey: false } | SurfelLight::DimmedAndEmitted => {
+            scene.scene().medium.as_deref().cloned()
+        }
         SurfelLight::Reflected | SurfelLight::Received => None,
+    };
+    let emissions = match lit {
+        SurfelLight::DimmedAndEmitted => patches::emissions(scene.scene(), &draws_of(scene.scene())),
+        SurfelLight::Kept | SurfelLight::Dimmed { .. } | SurfelLight::Reflected | SurfelLight::Received => {
+            Vec::new()
+        }
     };
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
@@ -280,7 +289,10 @@ pub fn lit(
         // Of what is received all is told, as white would send it.
         let colour =
             if lit == SurfelLight::Received { Vec3::ONE } else { patches[disk.patch as usize].colour() };
-        Disk { sent: received.map(|received| received * colour / PI), ..disk }
+        let emitted = emissions.get(disk.patch as usize).copied().map_or(Vec3::ZERO, Emission::radiance);
+        let behind = if disk.open { emitted } else { Vec3::ZERO };
+        let [front, back] = received.map(|received| received * colour / PI);
+        Disk { sent: [front + emitted, back + behind], ..disk }
     };
     disks.into_par_iter().map(light).collect()
 }

@@ -8,7 +8,6 @@ const SQUARE = 2u;
 const IN_SQUARE = 16u;
 // Angle between a direction of the spiral and the next, turns: the golden section of the circle.
 const GOLDEN_TURN = 0.381966;
-const TAU = 6.2831853;
 
 // A place on a disk, which they all fill evenly: its radius squared, and its angle, turns. `spread` is how
 // many a pixel has, and a seed.
@@ -17,9 +16,4 @@ fn place_on_disk(pixel: vec2u, number: u32, spread: vec2u) -> vec2f {
     let which = f32(IN_SQUARE * number + number_in_square(pixel, SQUARE, hash(spread.y)));
     let squared = (which + random(square, spread.y, 0u)) / f32(IN_SQUARE * spread.x);
     return vec2f(squared, fract(GOLDEN_TURN * which + random(square, spread.y, 1u)) - 0.5);
-}
-
-// One over it, and a large number where it is nothing.
-fn inverse_of(direction: vec3f) -> vec3f {
-    return 1.0 / select(direction, vec3f(1e-12), abs(direction) < vec3f(1e-12));
 }

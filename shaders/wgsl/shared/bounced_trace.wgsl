@@ -1,32 +1,10 @@
 // The bounced z-buffer (thesis 6.2), one invocation for each of a pixel's directions: the nearest surfel
-// along it. Rays walk the tree over the surfels from the nearest box on, and leave out what begins behind
-// what they have met. The plain version is render/src/methods/bounced_z/reference.rs.
+// along it. The plain version is render/src/methods/bounced_z/reference.rs.
 
 #import shared/bounced_directions
-#import shared/bounced_none
-#import shared/bounded
 #import shared/packing
 #import shared/surface
-#import shared/surfel
-#import shared/surfel_record
-#import shared/surfel_tree
-#constant HEIGHT = 8
-
-/// What `methods/bounced_z/trace` reads.
-struct Bounces {
-    /// Columns of the image.
-    width: u32,
-    /// Rows of the image.
-    height: u32,
-    /// Directions of a pixel.
-    directions: u32,
-    /// Chooses directions.
-    seed: u32,
-    /// How much larger than its own is the radius that rays meet.
-    cover: f32,
-    /// How far the effect reaches, metres.
-    reach: f32,
-}
+#import shared/surfel_nearest
 
 @group(0) @binding(0) var<uniform> bounces: Bounces;
 @group(0) @binding(4) var<storage, read> totals: Totals;
@@ -37,135 +15,6 @@ struct Bounces {
 // Twice the index of the surfel that is met there, and 1 more where its back is, or NONE: [directions,
 // height, width].
 @group(0) @binding(8) var<storage, read_write> met: array<u32>;
-
-// Sine of the least angle between the way to a surfel and either surface: the point's own surface does not
-// hide it. Surfels' normals are rounded by nearly as much.
-const LEAST_SINE = 4.2e-3;
-// Rounding may not lose what is met at a box's corner.
-const SLACK = 1.00001;
-// Farther than any box.
-const NEVER = 3.0e38;
-// Nodes that wait: three of each height, and the one that is entered.
-const WAITING = 3u * HEIGHT + 1u;
-
-struct Ray {
-    origin: vec3f,
-    normal: vec3f,
-    direction: vec3f,
-    // One over the direction's components.
-    inverse: vec3f,
-}
-
-// What a ray has met so far, and how far along.
-struct Hit {
-    distance: f32,
-    surfel: u32,
-}
-
-// A node that a ray has yet to enter, and where it does.
-struct Waiting {
-    height: u32,
-    index: u32,
-    enters: f32,
-}
-
-var<private> waiting: array<Waiting, WAITING>;
-
-// Where a ray enters the box of a node, NEVER if it does not before `nearest`. Disks reach beyond the box by
-// their radius.
-fn entered(height: u32, index: u32, ray: Ray, nearest: f32) -> f32 {
-    if first_surfel(height, index) >= totals.kept {
-        return NEVER;
-    }
-    let node = nodes[node_index(height, index)];
-    let widened = node.low.w * bounces.cover;
-    let a = (node.low.xyz - widened - ray.origin) * ray.inverse;
-    let b = (node.high.xyz + widened - ray.origin) * ray.inverse;
-    let first = min(a, b);
-    let last = max(a, b);
-    let enters = max(max(first.x, first.y), max(first.z, 0.0));
-    let leaves = min(min(last.x, last.y), min(last.z, nearest));
-    return select(NEVER, enters, enters <= leaves * SLACK);
-}
-
-// Where a ray meets a surfel, or what it has met before if that is nearer. The first of two as near wins.
-fn nearer(which: u32, ray: Ray, before: Hit) -> Hit {
-    let surfel = surfels[which];
-    let way = surfel.place - ray.origin;
-    let normal = surfel_normal(surfel);
-    let height = dot(way, normal);
-    let least = LEAST_SINE * length(way);
-    let slope = dot(ray.direction, normal);
-    let radius = surfel_radius(surfel) * bounces.cover;
-    let distance = height / select(slope, 1.0, abs(slope) < 1e-6);
-    let off = distance * ray.direction - way;
-    let is_met = dot(way, ray.normal) > least && abs(height) > least && abs(slope) >= 1e-6
-        && distance > 0.0 && dot(off, off) < radius * radius;
-    let is_nearer = distance < before.distance || (distance == before.distance && which < before.surfel);
-    if is_met && is_nearer {
-        return Hit(distance, which);
-    }
-    return before;
-}
-
-// Puts the nodes below one among those that wait, the nearest last; how many wait then.
-fn enter(height: u32, index: u32, ray: Ray, nearest: f32, count: u32) -> u32 {
-    var top = count;
-    for (var child = 0u; child < 4u; child++) {
-        let enters = entered(height - 1u, 4u * index + child, ray, nearest);
-        if enters == NEVER {
-            continue;
-        }
-        var place = top;
-        while place > count && waiting[place - 1u].enters < enters {
-            waiting[place] = waiting[place - 1u];
-            place -= 1u;
-        }
-        waiting[place] = Waiting(height - 1u, 4u * index + child, enters);
-        top += 1u;
-    }
-    return top;
-}
-
-// What a ray meets first, if anything within the effect's reach.
-fn nearest(ray: Ray) -> Hit {
-    var hit = Hit(bounces.reach, NONE);
-    waiting[0] = Waiting(HEIGHT, 0u, entered(HEIGHT, 0u, ray, hit.distance));
-    var count = 1u;
-    while count > 0u {
-        // A loop of its own, so that all invocations of a workgroup look at leaves together.
-        var leaf = NONE;
-        while count > 0u && leaf == NONE {
-            count -= 1u;
-            let node = waiting[count];
-            if node.enters > hit.distance {
-                continue;
-            }
-            if node.height == 0u {
-                leaf = node.index;
-            } else {
-                count = enter(node.height, node.index, ray, hit.distance, count);
-            }
-        }
-        if leaf == NONE {
-            break;
-        }
-        let begin = first_surfel(0u, leaf);
-        let end = min(begin + LEAF, totals.kept);
-        for (var which = begin; which < end; which++) {
-            hit = nearer(which, ray, hit);
-        }
-    }
-    return hit;
-}
-
-// What the passes after this one read of a hit.
-fn met_word(hit: Hit, direction: vec3f) -> u32 {
-    if hit.surfel == NONE {
-        return NONE;
-    }
-    return 2u * hit.surfel + select(0u, 1u, dot(direction, surfel_normal(surfels[hit.surfel])) >= 0.0);
-}
 
 @compute @workgroup_size(TILE, TILE)
 fn trace(@builtin(global_invocation_id) id: vec3u) {
@@ -183,7 +32,7 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
     let position = surface_position(at, pixels);
     let normal = surface_normal(at, pixels);
     let direction = direction_of(reflector, place_on_disk(pixel, id.z, vec2u(bounces.directions, bounces.seed)));
-    let hit = nearest(Ray(position, normal, direction, inverse_of(direction)));
+    let hit = nearest(Ray(position, normal, direction));
     directions[at + id.z * pixels] = pack2x16snorm(to_octahedron(direction));
     met[at + id.z * pixels] = met_word(hit, direction);
 }

@@ -13,10 +13,8 @@ use deepshade_shaders::wgsl::Shader;
 use glam::Vec3;
 
 /// What disks send.
-pub const LIGHT: Arriving<'_> = Arriving {
-    effect: Effect::Gi,
-    of: &|met, direction| met.map_or(Vec3::ZERO, |disk| sent(direction, disk)),
-};
+pub const LIGHT: Arriving<'_> =
+    Arriving { effect: Effect::Gi, of: &|met, ray| met.map_or(Vec3::ZERO, |disk| sent(ray.direction, disk)) };
 
 /// The effect `gi`.
 pub const INDIRECT: DiskEffect<BouncedZParameters> = DiskEffect {

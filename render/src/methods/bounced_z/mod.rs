@@ -6,18 +6,20 @@
 //! nothing. Neighbouring pixels look elsewhere, and a filter brings together what they see, each sample
 //! weighed by what the receiving pixel's own surface makes of its direction.
 //!
-//! Surfels, their light and their tree are those of [`surfel`](super::surfel). The paper splats far surfels to
-//! one pixel of four, of sixteen and so on, enlarged, so that each is drawn to few (thesis 6.3). The splatting
-//! is turned round here: rays walk the tree, nearest box first, and end at what they meet. So there is nothing
-//! that levels would save. All pixels meet all surfels, which is nearer to truth in half the time; figures are
-//! in the book.
+//! Surfels, their light and their tree are those of [`surfel`](super::surfel). The paper splats far surfels
+//! to one pixel of four, of sixteen and so on, enlarged, so that each is drawn to few (thesis 6.3). The
+//! splatting is turned round here: rays walk the tree, nearest box first, and end at what they meet. So
+//! there is nothing that levels would save. All pixels meet all surfels, which is nearer to truth in half
+//! the time; figures are in the book.
 //!
 //! Directions are spread by their cosine to the normal for ambient occlusion as well, where the paper spreads
 //! them evenly: of an even sky the cosine leaves no noise at all, an even spread that of a variance of 1/3 a
 //! direction. The filter divides by the sum of its weights, so that it keeps an even sky.
 //!
 //! Methods: [`occlusion`], [`directional`] occlusion, and [`indirect`] light, which [`glossy`] surfaces also
-//! reflect. What a pixel's surface makes of light, and so where it looks for it, is its [`Reflector`].
+//! reflect. [`sky_light`], with what surfaces reflect of it by [`bounces`], is a part of
+//! [`composed`](super::composed). What a pixel's surface makes of light, and so where it looks for it, is
+//! its [`Reflector`].
 //!
 //! Limits. Disks whose areas add up to a surface's lie over one another in places and leave holes in others:
 //! a single sheet of them lets a part of the rays through, which is light lost to `gi`. Where it ends, disks
@@ -27,6 +29,7 @@
 //! Unlike [`surfel`](super::surfel) it does not grow darker, or brighter, with every surface behind the
 //! first.
 
+pub mod bounces;
 pub mod directional;
 pub mod glossy;
 pub mod indirect;
@@ -34,6 +37,7 @@ pub mod occlusion;
 pub mod passes;
 pub mod reference;
 pub mod reflector;
+pub mod sky_light;
 #[cfg(test)]
 mod tests;
 
@@ -104,6 +108,12 @@ impl ByDisks for BouncedZParameters {
 
     fn sane(self) -> Self {
         Self { directions: self.directions.clamp(1, MOST_DIRECTIONS), ..self }
+    }
+
+    fn reaching(mut self, times: f32) -> Self {
+        self.surfels.near /= times;
+        self.filter.sharpness *= times;
+        self
     }
 
     fn surfels(&self) -> &surfels::SurfelDensity {

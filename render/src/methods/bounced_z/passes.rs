@@ -1,8 +1,10 @@
 //! What runs on the GPU: surfels and their tree, the rays of every pixel, the filter.
 
-use super::{BouncedZParameters, directional};
+use super::directional::SkyAtOnce;
+use super::{BouncedZParameters, bounces};
 use crate::methods::disks::DiskEffect;
 use crate::methods::lobe;
+use crate::methods::surfel::directional::Sky;
 use crate::raster::groups;
 use crate::screen::{MethodStep, Resources, View};
 use crate::surfels::{Tree, frame, light};
@@ -28,7 +30,10 @@ pub enum Arrives {
     /// What a pass makes of the surfels that are met.
     OfSurfels(Shader),
     /// Light of the environment.
-    OfEnvironment,
+    OfEnvironment {
+        /// Whether what surfels reflect of it is a part.
+        reflected: bool,
+    },
 }
 
 /// What the passes after the rays are bound to.
@@ -40,8 +45,8 @@ pub struct TracedRays<'a> {
     pub surface: [&'a wgpu::Buffer; 3],
     /// Into which pixels look, `[directions, height, width]`.
     pub directions: wgpu::Buffer,
-    /// What they meet there, and then what arrives from there, of the same shape.
-    pub arrived: wgpu::Buffer,
+    /// What they meet there, of the same shape; then what arrives from there, if it is of surfels.
+    pub met: wgpu::Buffer,
     /// How many rays there are.
     pub count: usize,
     /// What brings those of neighbours together.
@@ -88,28 +93,38 @@ pub fn steps(
     let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::All, lit)?;
     let count = directions as usize * to.size().iter().product::<usize>();
     let samples = |label: &str| gpu::empty::<u32>(device, label, count);
-    let (ways, arrived) = (samples("bounced-z.directions")?, samples("bounced-z.arrived")?);
+    let (ways, met) = (samples("bounced-z.directions")?, samples("bounced-z.met")?);
     let [position, normal, valid] = to.seen([Attribute::Position, Attribute::Normal, Attribute::Valid]);
     let is_glossy = effect.attributes.contains(&Attribute::Glossiness);
     let gloss = is_glossy.then(|| lobe::step(device, to.gbuffer)).transpose()?;
     steps.extend(gloss.as_ref().map(|(_, step)| step.clone()));
     let surface = [position, normal, gloss.as_ref().map_or(valid, |(gloss, _)| gloss)];
     let [columns, rows, _] = to.whole();
-    let met = [&cloud.totals, &cloud.surfels, &cloud.nodes];
-    let reads = [&[bounces], &surface[..], &met].concat();
+    let tree = [&cloud.totals, &cloud.surfels, &cloud.nodes];
+    let reads = [&[bounces], &surface[..], &tree].concat();
     let (trace, rays) = (device.pass(trace, &[])?, [columns, rows, directions]);
-    steps.push(MethodStep::bind(device, &trace, rays, &reads, &[&ways, &arrived])?);
+    steps.push(MethodStep::bind(device, &trace, rays, &reads, &[&ways, &met])?);
     let filter = device.pass(filter, &[("CHANNELS", effect.effect.channels() as u32)])?;
-    let traced = TracedRays { window, surface, directions: ways, arrived, count, filter };
+    let traced = TracedRays { window, surface, directions: ways, met, count, filter };
+    let view = &of_surfels[1];
     match arrives {
         Arrives::OfSurfels(arrive) => {
             let reads: Vec<_> = (1..).zip(&cloud.sent).collect();
-            let arrive = device.pass(arrive, &[])?;
-            let writes = [(0, &traced.arrived)];
+            let (arrive, writes) = (device.pass(arrive, &[])?, [(0, &traced.met)]);
             steps.push(MethodStep::bind_at(device, &arrive, groups(count), &reads, &writes)?);
-            steps.push(traced.filtered(to, &traced.arrived, to.output)?);
+            steps.push(traced.filtered(to, &traced.met, to.output)?);
         }
-        Arrives::OfEnvironment => steps.extend(directional::steps(&traced, &of_surfels[1], to)?),
+        Arrives::OfEnvironment { reflected } => {
+            let [sky, open] = &Sky::new(to.environment).upload(device)?;
+            let (at_once, seen) = SkyAtOnce::new(&traced, view, [sky, open], to)?;
+            steps.push(seen);
+            if reflected {
+                // Paths take the place of what their first rays meet.
+                steps.push(bounces::step(&traced, &cloud, [bounces, view, sky], to)?);
+                steps.push(traced.filtered(to, &traced.met, to.output)?);
+            }
+            steps.extend(at_once.image_steps(&traced, view, reflected, to)?);
+        }
     }
     steps.extend(light::ending(device, world, lit, to.output)?);
     Ok(steps)

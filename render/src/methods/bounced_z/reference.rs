@@ -31,6 +31,17 @@ pub struct Sample {
     pub arrived: Vec3,
 }
 
+/// One of a pixel's rays.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelRay {
+    /// The pixel.
+    pub pixel: UVec2,
+    /// Which of its rays.
+    pub number: u32,
+    /// Unit vector, camera space.
+    pub direction: Vec3,
+}
+
 /// Where a ray starts, with the normal there, and its direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -96,7 +107,8 @@ fn samples(
         let place = place_on_disk(at.as_uvec2(), number, [bounces.directions, bounces.seed]);
         let direction = reflector.direction(place);
         let met = met(bounces, disks, &Ray { origin, normal, direction });
-        Sample { direction, arrived: (arriving.of)(met, direction) }
+        let ray = PixelRay { pixel: at.as_uvec2(), number, direction };
+        Sample { direction, arrived: (arriving.of)(met, &ray) }
     };
     (0..bounces.directions).map(sample).collect()
 }
@@ -106,8 +118,8 @@ fn samples(
 pub struct Arriving<'a> {
     /// Of which effect.
     pub effect: Effect,
-    /// The radiance that arrives along a ray in a direction, of the disk that it meets or of none.
-    pub of: &'a (dyn Fn(Option<&Disk>, Vec3) -> Vec3 + Sync),
+    /// The radiance that arrives along a ray, of the disk that it meets or of none.
+    pub of: &'a (dyn Fn(Option<&Disk>, &PixelRay) -> Vec3 + Sync),
 }
 
 /// The effect, `[channels, height, width]`; `reflectors` says how each pixel's surface reflects, if it does.

@@ -3,7 +3,8 @@
 use super::directional::DIRECTIONAL;
 use super::indirect::{INDIRECT, LIGHT};
 use super::occlusion::{OCCLUSION, SKY};
-use super::reference::{Arriving, LEAST_SINE, Ray, met, number_in_square, place_on_disk, shade};
+use super::reference::{Arriving, LEAST_SINE, PixelRay, Ray, met, number_in_square, place_on_disk, shade};
+use super::sky_light::SKY_LIGHT;
 use super::{BouncedZParameters, Matte, Reflector};
 use crate::bvh::TracedScene;
 use crate::method::{Frame, Method, Repeats};
@@ -26,7 +27,7 @@ use deepshade_shaders::gpu::Gpu;
 use glam::{IVec2, UVec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Every pixel meets all surfels and keeps its own samples.
+/// Every pixel keeps its own samples.
 const PLAIN: BouncedZParameters = BouncedZParameters {
     surfels: surfels::SurfelDensity { scale: 0.02, near: 0.25 },
     directions: 16,
@@ -94,9 +95,9 @@ fn directions_are_spread_by_their_cosine() {
 /// What arrives on an upward surface at a point, the mean over the directions of many pixels.
 fn arriving(what: Arriving<'_>, disks: &[Disk], origin: Vec3, parameters: &BouncedZParameters) -> Vec3 {
     let bounces = parameters.bounces(what.effect, &view(32, 32, 100.0));
-    let radiance = |(_, direction)| {
+    let radiance = |(pixel, direction)| {
         let ray = Ray { origin, normal: Vec3::Y, direction };
-        (what.of)(met(&bounces, disks, &ray), direction)
+        (what.of)(met(&bounces, disks, &ray), &PixelRay { pixel, number: 0, direction })
     };
     let all: Vec<Vec3> = directions(parameters, Vec3::Y).map(radiance).collect();
     all.iter().sum::<Vec3>() / all.len() as f32
@@ -287,9 +288,9 @@ fn the_passes_light_as_the_plain_version_does() {
     prove_twin(&method, &corner(), Tolerance { usual: 5e-3, worst: 0.1 });
 }
 
-/// Bright above, red on one side.
+/// Bright above, red on one side; radiance up to 1.
 fn dusk() -> Environment {
-    let texel = |i: usize| Vec3::new(1.0 + (i % 8) as f32 / 4.0, 1.0, 1.0) * (3 - i / 8) as f32;
+    let texel = |i: usize| Vec3::new(1.0 + (i % 8) as f32 / 4.0, 1.0, 1.0) * (3 - i / 8) as f32 / 8.25;
     Environment::new("dusk".as_ref(), 8, 4, (0..32).map(texel).collect()).expect("radiance")
 }
 
@@ -298,10 +299,36 @@ fn the_passes_see_of_the_sky_what_the_plain_version_does() {
     let gpu = Gpu::new().expect("an adapter; lavapipe will do");
     let surfels = surfels::SurfelDensity { scale: 0.03, near: 0.25 };
     let parameters = BouncedZParameters { surfels, ..BouncedZParameters::of(Quality::High) };
-    let method = ScreenMethod::new(&gpu, Disks::new(parameters, DIRECTIONAL));
     let (scene, view, gbuffer) = seen(Family::StillLife, 27, 35);
-    let scene = with_environment(scene, dusk().rotated(0.7));
-    prove_twin(&method, &(scene, view, gbuffer), Tolerance { usual: 5e-3, worst: 0.3 });
+    let frame = (with_environment(scene, dusk().rotated(0.7)), view, gbuffer);
+    for effect in [DIRECTIONAL, SKY_LIGHT] {
+        let method = ScreenMethod::new(&gpu, Disks::new(parameters, effect));
+        // A ray that just meets a disk in one may just miss it in the other.
+        prove_twin(&method, &frame, Tolerance { usual: 5e-3, worst: 0.1 });
+    }
+}
+
+#[test]
+fn light_of_the_sky_that_a_wall_reflects_is_that_which_it_hides_times_its_colour() {
+    let (scene, view, gbuffer) = corner();
+    let mut scene = scene.scene().clone();
+    scene.environment = Some(Environment::uniform(Vec3::ONE).into());
+    let colour = f64::from(scene.materials[0].base_colour.x);
+    let scene = TracedScene::new(scene).expect("two squares");
+    let frame =
+        Frame { scene: &scene, camera: &view.camera, gbuffer: &gbuffer, radius: view.radius, seed: 1 };
+    let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+    let shaded = |effect| {
+        let method = ScreenMethod::new(&gpu, Disks::new(BouncedZParameters::of(Quality::High), effect));
+        method.shade(&frame, Repeats::ONCE).expect("an image").image.mean()
+    };
+    let valid = gbuffer.seen().expect("a mask");
+    let seen = valid.iter().filter(|seen| **seen).count() as f64 / valid.len() as f64;
+    let (at_once, all) = (shaded(DIRECTIONAL), shaded(SKY_LIGHT));
+    // Of what is hidden a surface that is as hidden itself sends its colour times what it sees.
+    let hidden = seen - at_once;
+    let ratio = (all - at_once) / (hidden * colour);
+    assert!(hidden > 0.05 && (0.6..1.0).contains(&ratio), "{hidden} hidden, {ratio}");
 }
 
 #[test]

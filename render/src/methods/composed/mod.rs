@@ -4,23 +4,28 @@
 //! |---|---|
 //! | light of lamps that surfaces reflect | the g-buffer's `light`, dimmed by the medium on its way |
 //! | what surfaces emit, and the sky behind them | the g-buffer's `emission`, the environment |
-//! | light of lamps that surfaces reflect twice | [`surfel`](super::surfel) of `gi` |
-//! | light of the sky that surfaces reflect | [`surfel`](super::surfel) of `do` |
+//! | light that surfaces get of others that emit or that lamps light | [`surfel`](super::surfel) of `gi` |
+//! | light of the sky, and what other surfaces reflect of it | [`bounced-z`](super::bounced_z::sky_light) |
 //! | phosphorescence | [`rate-equation`](super::phosphor) of `phosphor` |
 //! | light in the medium that lamps send there | [`froxel`](super::froxel) of `fog-direct` |
 //! | and surfaces | [`lpv`](super::lpv) of `fog-indirect` |
 //! | and all other | [`lpv`](super::lpv) of `fog-multiple` |
 //!
+//! For light of the sky visibility matters, which `surfel` lacks. For light of lamps noise does: what they
+//! light brightly is small, and few rays find it.
+//!
 //! A part that a scene has nothing of takes no time: of the sky without an environment, of the medium where
 //! there is none, of phosphorescence where nothing glows. What comes from surfaces and the sky is dimmed by
-//! the medium in front of it. Surfels send all that a surface reflects, not its diffuse colour alone. They
-//! may shade half the rows and columns ([`Halved`]).
+//! the medium in front of it. Surfels send all that a surface reflects of lamps, not its diffuse colour
+//! alone. Both parts by surfels may shade half the rows and columns ([`Halved`]).
 //!
 //! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
-//! shows lamps and nothing else. Light that was reflected more than twice is missing unless the medium
-//! scatters it, and so is what surfaces reflect of others that emit. Light between surfaces is dimmed up to
-//! the first of them only. The sky lights surfaces as if there were no medium, and does not light the
-//! medium. The lens and the shutter are wide open and instant: neither depth of field nor motion blur.
+//! shows lamps and nothing else. Light of lamps that was reflected more than twice is missing unless the
+//! medium scatters it. So is light of what emits that was reflected more than once, and that of the sky that
+//! was reflected more than three times. Nothing hides what surfaces send of lamps or emit. Light between
+//! surfaces is dimmed up to the first of them only. The sky lights surfaces as if there were no medium, and
+//! does not light the medium. The lens and the shutter are wide open and instant: neither depth of field nor
+//! motion blur.
 
 mod passes;
 mod reference;
@@ -28,13 +33,14 @@ mod reference;
 mod tests;
 
 use super::Quality;
-use super::disks::{DiskEffect, Disks};
+use super::bounced_z::{BouncedZParameters, sky_light::SKY_LIGHT};
+use super::disks::{ByDisks, DiskEffect, Disks};
 use super::environment_map::EnvironmentMap;
 use super::froxel::FroxelParameters;
 use super::lpv::LpvParameters;
 use super::lpv::in_medium::InMedium;
 use super::phosphor::RateEquationParameters;
-use super::surfel::{SurfelParameters, directional::DIRECTIONAL, indirect::INDIRECT};
+use super::surfel::{SurfelParameters, indirect::INDIRECT};
 use crate::scene::{Camera, Environment, Scene};
 use crate::screen::{About, Halved, MethodStep, PlainInputs, Resources, Technique, View, Written};
 use crate::surfels::SurfelLight;
@@ -46,9 +52,11 @@ use glam::Vec3;
 /// What can be set: how each part is made.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct ComposedParameters {
-    /// Light that surfaces reflect of other surfaces and of the sky.
+    /// Light that surfaces reflect of other surfaces.
     pub surfaces: SurfelParameters,
-    /// Pixels along the edge of one for which that light is made: with 2 there are half as many rows and
+    /// Light of the sky that they reflect.
+    pub sky: BouncedZParameters,
+    /// Pixels along the edge of one for which both are made: with 2 there are half as many rows and
     /// columns.
     #[schemars(range(min = 1, max = 2), extend("unit" = "pixels"))]
     pub surfaces_scale: u32,
@@ -65,6 +73,7 @@ impl ComposedParameters {
     pub fn of(quality: Quality) -> Self {
         Self {
             surfaces: SurfelParameters::of(quality),
+            sky: BouncedZParameters::of(quality),
             surfaces_scale: if quality == Quality::Low { 2 } else { 1 },
             shafts: FroxelParameters::of(quality),
             volume: LpvParameters::of(quality),
@@ -74,15 +83,14 @@ impl ComposedParameters {
 
     /// The parts, in the order in which they are added.
     fn parts(&self) -> [Part; 6] {
-        let surfels = |effect| -> Box<dyn Technique> {
-            let all = FromFar { parameters: self.surfaces, effect };
-            if self.surfaces_scale > 1 { Box::new(Halved(all)) } else { Box::new(all) }
-        };
+        let scale = self.surfaces_scale;
+        let surfaces = scaled(FromFar { parameters: self.surfaces, effect: OF_SURFACES }, scale);
+        let sky = scaled(FromFar { parameters: self.sky, effect: SKY_LIGHT }, scale);
         let part = |shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool| Part::new(shown, made, has);
         let has_medium = |scene: &Scene| scene.medium.is_some();
         [
-            part(Shown::Reflected, surfels(DIMMED), |scene| !scene.lights.is_empty()),
-            part(Shown::Reflected, surfels(DIRECTIONAL), |scene| scene.environment.is_some()),
+            part(Shown::Reflected, surfaces, |scene| !scene.lights.is_empty() || scene.emits()),
+            part(Shown::Reflected, sky, |scene| scene.environment.is_some()),
             part(Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
             part(Shown::Between, Box::new(self.shafts), has_medium),
             part(Shown::Between, Box::new(InMedium::indirect(self.volume)), has_medium),
@@ -91,9 +99,9 @@ impl ComposedParameters {
     }
 }
 
-/// Light that surfaces send after one reflection, dimmed on its way to the first.
-const DIMMED: DiskEffect<SurfelParameters> =
-    DiskEffect { lit: Some(SurfelLight::Dimmed { is_grey: false }), on_processor: None, ..INDIRECT };
+/// Light that surfaces emit, or send after one reflection, dimmed on its way to the first.
+const OF_SURFACES: DiskEffect<SurfelParameters> =
+    DiskEffect { lit: Some(SurfelLight::DimmedAndEmitted), on_processor: None, ..INDIRECT };
 
 /// One method's part of all light.
 struct Part {
@@ -133,25 +141,27 @@ enum Shown {
 /// Farther than any scene is large, metres: light has no radius.
 const FAR: f32 = 1e5;
 
-/// Surfels of an effect that reaches as far as the scene does. They are as large, and as sharply kept apart,
-/// as those of the radius that was asked for.
-#[derive(Clone, Copy, Debug)]
-struct FromFar {
-    parameters: SurfelParameters,
-    effect: DiskEffect<SurfelParameters>,
+/// A method at half the rows and columns, if `scale` is more than 1.
+fn scaled<T: Technique + 'static>(technique: T, scale: u32) -> Box<dyn Technique> {
+    if scale > 1 { Box::new(Halved(technique)) } else { Box::new(technique) }
 }
 
-impl FromFar {
-    fn seen(&self, view: &View) -> (Disks<SurfelParameters>, View) {
-        let mut parameters = self.parameters;
+/// An effect by surfels that reaches as far as the scene does. They are as large, and as sharply kept apart,
+/// as those of the radius that was asked for.
+#[derive(Clone, Copy, Debug)]
+struct FromFar<M: ByDisks> {
+    parameters: M,
+    effect: DiskEffect<M>,
+}
+
+impl<M: ByDisks> FromFar<M> {
+    fn seen(&self, view: &View) -> (Disks<M>, View) {
         let farther = FAR / view.radius.max(f32::MIN_POSITIVE);
-        parameters.surfels.near /= farther;
-        parameters.blur.sharpness *= farther;
-        (Disks::new(parameters, self.effect), View { radius: FAR, ..*view })
+        (Disks::new(self.parameters.reaching(farther), self.effect), View { radius: FAR, ..*view })
     }
 }
 
-impl Technique for FromFar {
+impl<M: ByDisks> Technique for FromFar<M> {
     fn about(&self) -> About {
         Disks::new(self.parameters, self.effect).about()
     }

@@ -6,7 +6,7 @@ use crate::gbuffer;
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::path::{self, Sampling, Shot};
-use crate::scene::Medium;
+use crate::scene::{Material, MaterialId, Medium};
 use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
@@ -33,11 +33,22 @@ fn under_a_sky(scene: &mut Scene) {
     scene.environment = Some(Environment::uniform(Vec3::new(0.3, 0.4, 0.6)).into());
 }
 
+/// The floor glows, and no lamp shines.
+fn by_its_floor(scene: &mut Scene) {
+    scene.lights.clear();
+    scene.materials.push(Material { emission: Vec3::new(2.0, 1.0, 0.5), ..scene.materials[0].clone() });
+    scene.meshes.iter_mut().take(1).for_each(|floor| floor.material = MaterialId(1));
+}
+
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let method = ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), few());
-    let frames =
-        [seen(corner(), under_a_sky), seen(foggy().remove(0), |_| ()), seen(foggy().remove(1), |_| ())];
+    let frames = [
+        seen(corner(), under_a_sky),
+        seen(corner(), by_its_floor),
+        seen(foggy().remove(0), |_| ()),
+        seen(foggy().remove(1), |_| ()),
+    ];
     for frame in frames {
         // Shadow maps end within a texel of where shadows do.
         prove_twin(&method, &frame, Tolerance { usual: 1e-3, worst: 0.05 });
@@ -65,6 +76,22 @@ fn all_parts_together_are_about_as_bright_as_truth() {
         let ratio = plain(&scene, &view, &gbuffer).mean() / truth;
         assert!((least..1.1).contains(&ratio), "{ratio}");
     }
+}
+
+#[test]
+fn what_emits_lights_what_is_beside_it() {
+    let (scene, view, gbuffer) = seen(corner(), by_its_floor);
+    let shot = Shot::new(&scene, &view.camera, [view.height, view.width], view.radius);
+    let truth = path::render(Effect::Path, &shot, Sampling::one(64, 1)).mean;
+    let image = plain(&scene, &view, &gbuffer);
+    let glows = gbuffer.select(&[Attribute::Emission]).expect("emission");
+    let wall = |image: &Planes| {
+        let lit = image.plane(0).iter().zip(glows.plane(0)).filter(|(_, emission)| **emission == 0.0);
+        lit.map(|(light, _)| f64::from(*light)).sum::<f64>()
+    };
+    let ratio = wall(&image) / wall(&truth);
+    // What the wall and the floor send to and fro is missing.
+    assert!((0.8..1.1).contains(&ratio), "{ratio}");
 }
 
 #[test]

@@ -102,6 +102,12 @@ impl ByDisks for SurfelParameters {
         Self { threshold: self.threshold.clamp(1e-6, 1.0), levels: self.levels.clamp(1, MOST_LEVELS), ..self }
     }
 
+    fn reaching(mut self, times: f32) -> Self {
+        self.surfels.near /= times;
+        self.blur.sharpness *= times;
+        self
+    }
+
     fn surfels(&self) -> &surfels::SurfelDensity {
         &self.surfels
     }

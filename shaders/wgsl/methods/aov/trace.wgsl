@@ -5,6 +5,7 @@
 #import shared/bounced_directions
 #import shared/bounced_matte
 #import shared/facet
+#import shared/inverse_direction
 #import shared/packing
 #import shared/random
 #import shared/surface

@@ -11,19 +11,20 @@
 @group(0) @binding(1) var<storage, read> environment: array<vec4f>;
 // Octahedral, two snorm16: [directions, height, width].
 @group(0) @binding(2) var<storage, read> directions: array<u32>;
-// What is met, or NONE; then radiance, as `pack_radiance` has it.
-@group(0) @binding(3) var<storage, read_write> arrived: array<u32>;
-// As if nothing were met.
-@group(0) @binding(4) var<storage, read_write> whole: array<u32>;
+// What is met, or NONE.
+@group(0) @binding(3) var<storage, read> met: array<u32>;
+// Radiance, as `pack_radiance` has it: what is seen of it, and all.
+@group(0) @binding(4) var<storage, read_write> seen: array<u32>;
+@group(0) @binding(5) var<storage, read_write> whole: array<u32>;
 
 @compute @workgroup_size(64)
 fn arrive(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = id.x + id.y * groups.x * 64u;
-    if at >= arrayLength(&arrived) {
+    if at >= arrayLength(&met) {
         return;
     }
     let direction = from_view(from_octahedron(unpack2x16snorm(directions[at])), view);
     let radiance = pack_radiance(environment_radiance(0u, environment_height(), direction));
     whole[at] = radiance;
-    arrived[at] = select(0u, radiance, arrived[at] == NONE);
+    seen[at] = select(0u, radiance, met[at] == NONE);
 }

@@ -1,0 +1,29 @@
+// Adds what surfels emit to what they send.
+
+#import shared/packing
+#import shared/surfel
+#import shared/surfel_order
+#import shared/surfel_record
+
+@group(0) @binding(0) var<storage, read> totals: Totals;
+@group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
+@group(0) @binding(2) var<storage, read> starts: array<u32>;
+// Of patches: emitted radiance, packed.
+@group(0) @binding(3) var<storage, read> emissions: array<u32>;
+// Of front and back, as `surfels/light` has written it.
+@group(0) @binding(4) var<storage, read_write> sent: array<vec2u>;
+
+@compute @workgroup_size(64)
+fn emit(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= totals.kept {
+        return;
+    }
+    let emitted = unpack_radiance(emissions[patch_of(chosen(id.x))]);
+    // What the back of a closed body's surface emits stays in it.
+    let behind = select(vec3f(0.0), emitted, surfel_is_open(surfels[id.x]));
+    let both = sent[id.x];
+    sent[id.x] = vec2u(
+        pack_radiance(unpack_radiance(both.x) + emitted),
+        pack_radiance(unpack_radiance(both.y) + behind),
+    );
+}
