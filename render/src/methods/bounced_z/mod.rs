@@ -51,13 +51,14 @@ use deepshade_shaders::Effect;
 use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 
+/// Most directions of a pixel.
+pub const MOST_DIRECTIONS: u32 = 16;
+
 /// How much larger than its own is the radius of a surfel that rays meet: more lets less through, and stands
 /// farther over edges. Figures are in the book.
 const fn cover(effect: Effect) -> f32 {
     if matches!(effect, Effect::Ao | Effect::Do) { 1.25 } else { 1.5 }
 }
-/// Most directions of a pixel.
-pub const MOST_DIRECTIONS: u32 = 16;
 
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
