@@ -1,7 +1,7 @@
 // Surfaces that receive light by its cosine, and look into directions that are spread by it.
 
+#import shared/cosine_direction
 #import shared/surface
-#import shared/tangents
 
 struct Reflector {
     normal: vec3f,
@@ -18,10 +18,8 @@ fn reflects(reflector: Reflector) -> bool {
     return true;
 }
 
-// A place on the disk, lifted onto the hemisphere, has the density cosine / pi (Malley's method).
 fn direction_of(reflector: Reflector, place: vec2f) -> vec3f {
-    let angle = 6.2831853 * place.y;
-    return tangents(reflector.normal) * vec3f(sqrt(place.x) * vec2f(cos(angle), sin(angle)), sqrt(1.0 - place.x));
+    return cosine_direction(reflector.normal, place);
 }
 
 // That density, but for a factor that is the same for all.

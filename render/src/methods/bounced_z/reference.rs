@@ -72,9 +72,7 @@ impl Ray {
 /// The number of a pixel among those of its square of 2^level x 2^level: `shared/interleaved.wgsl`.
 pub fn number_in_square(pixel: UVec2, level: u32, seed: u32) -> u32 {
     let (place, inside) = (pixel >> level, pixel & UVec2::splat((1 << level) - 1));
-    let rest = hash(level.wrapping_add(hash(seed)));
-    let key = hash(place.x.wrapping_add(hash(place.y.wrapping_add(rest))));
-    shells::permuted(inside.x | inside.y << level, level, key)
+    shells::permuted(inside.x | inside.y << level, level, shells::key(place, level, seed))
 }
 
 /// A place on the disk that a number of a pixel has, of so many and by a seed: its radius squared, and its

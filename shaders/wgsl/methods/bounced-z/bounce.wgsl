@@ -3,13 +3,13 @@
 // BOUNCES.
 
 #import shared/bounced_directions
+#import shared/cosine_direction
 #import shared/environment
 #import shared/environment_height
 #import shared/packing
 #import shared/surfel_nearest
 #import shared/surfel_order
 #import shared/surfel_patch_record
-#import shared/tangents
 #import shared/view
 #import uniforms/frame_view
 #constant BOUNCES = 2
@@ -34,8 +34,7 @@ fn reflected_direction(normal: vec3f, at: u32, bounce: u32) -> vec3f {
     let number = at / (bounces.width * bounces.height);
     let spread = vec2u(bounces.directions, hash(bounces.seed + bounce));
     let place = place_on_disk(vec2u(pixel % bounces.width, pixel / bounces.width), number, spread);
-    let angle = TAU * place.y;
-    return tangents(normal) * vec3f(sqrt(place.x) * vec2f(cos(angle), sin(angle)), sqrt(1.0 - place.x));
+    return cosine_direction(normal, place);
 }
 
 // The radiance that arrives along a ray which has met a surfel.

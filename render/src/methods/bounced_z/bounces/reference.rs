@@ -9,8 +9,8 @@ use deepshade_shaders::random::hash;
 use deepshade_shaders::wgsl::uniforms;
 use glam::Vec3;
 
-/// The radiance that arrives along a ray which meets a disk; `sky` is that of the environment in camera space:
-/// `bounce.wgsl`.
+/// The radiance that arrives along a ray which meets a disk: `bounce.wgsl`. `sky` is the environment's in
+/// camera space.
 pub fn light_of_path(
     bounces: &uniforms::Bounces,
     (disks, patches): (&[Disk], &[Patch]),
