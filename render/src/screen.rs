@@ -20,7 +20,7 @@ pub mod upsampling;
 pub use device::Device;
 pub use gbuffer::GpuGBuffer;
 pub use halved::Halved;
-pub use method_passes::{MethodPasses, MethodStep, PassDispatch, Workgroups};
+pub use method_passes::{MethodPasses, MethodStep, PassDispatch, PassTime, Workgroups};
 pub use reprojection::Reprojection;
 pub use surface::Surface;
 pub use technique::{About, Resources, Technique};
@@ -173,17 +173,11 @@ impl ScreenMethod {
     /// # Errors
     /// If the frame lacks something or the GPU fails.
     pub fn shade_in_passes(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Shaded, MethodError> {
-        let About { name: method, effect, attributes, looks_beyond, .. } = self.about();
+        let About { name: method, effect, .. } = self.about();
         let failed = |source: GpuError| MethodError::Gpu { method, source };
         let Gpu { device, queue, .. } = self.gpu();
         let view = View::from(frame);
-        let gbuffer = GpuGBuffer::upload(device, &self.seen(frame), attributes)
-            .map_err(|error| error.of_method(method))?;
-        let world = looks_beyond.then(|| remembered(&self.gpu, frame.scene, &view));
-        let world = world.transpose().map_err(failed)?;
-        let environment = frame.scene.scene().environment.as_deref();
-        let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
-        let passes = MethodPasses::new(self, &inputs, &view).map_err(failed)?;
+        let passes = self.passes(frame)?;
         let timing = gpu::time(device, queue, method, repeats.warm_up, repeats.timed, |encoder| {
             passes.encode(encoder);
         })
@@ -193,6 +187,32 @@ impl ScreenMethod {
         let clock = if timing.by_gpu { Clock::Gpu } else { Clock::Cpu };
         let device = self.gpu.info.name.clone();
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
+    }
+
+    /// What each of its passes takes on a frame, as [`MethodPasses::times`] has it, by the names of shaders.
+    ///
+    /// # Errors
+    /// If the frame lacks something or the GPU fails.
+    pub fn pass_times(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Vec<PassTime>, MethodError> {
+        let method = self.name();
+        let failed = |source: GpuError| MethodError::Gpu { method, source };
+        let passes = self.passes(frame)?;
+        let name = |step: &MethodStep| step.step.pass.name().to_owned();
+        passes.times(self.gpu(), repeats, name).map_err(failed)
+    }
+
+    /// Its passes, bound to a frame.
+    fn passes(&self, frame: &Frame<'_>) -> Result<MethodPasses, MethodError> {
+        let About { name: method, attributes, looks_beyond, .. } = self.about();
+        let failed = |source: GpuError| MethodError::Gpu { method, source };
+        let view = View::from(frame);
+        let gbuffer = GpuGBuffer::upload(&self.gpu().device, &self.seen(frame), attributes)
+            .map_err(|error| error.of_method(method))?;
+        let world = looks_beyond.then(|| remembered(&self.gpu, frame.scene, &view));
+        let world = world.transpose().map_err(failed)?;
+        let environment = frame.scene.scene().environment.as_deref();
+        let inputs = Inputs { gbuffer: &gbuffer, environment, world: world.as_ref() };
+        MethodPasses::new(self, &inputs, &view).map_err(failed)
     }
 
     /// What it reads of a frame's g-buffer: one that looks beyond the screen knows the scene, so that what

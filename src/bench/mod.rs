@@ -5,6 +5,7 @@ mod dataset;
 mod frame;
 #[cfg(feature = "train")]
 mod net;
+mod passes;
 #[cfg(feature = "train")]
 mod pytorch;
 pub mod rays;
@@ -26,6 +27,8 @@ pub enum Verb {
     Rays(rays::Args),
     /// Milliseconds of every pass of a live frame, frames a second, memory.
     Frame(Box<frame::Args>),
+    /// Milliseconds of every pass of a method on a frame, and of every part of `composed`.
+    Passes(Box<passes::Args>),
     /// Training pairs an hour and a core, and where the time goes.
     Dataset(dataset::Args),
 }
@@ -42,6 +45,7 @@ pub fn run(verb: &Verb) -> Result<()> {
         Verb::Train(args) => train::run(args),
         Verb::Rays(args) => rays::run(args),
         Verb::Frame(args) => frame::run(args),
+        Verb::Passes(args) => passes::run(args),
         Verb::Dataset(args) => dataset::run(args),
     }
 }

@@ -1,5 +1,6 @@
 //! What a method's passes are for, what each kind of them takes, and what memory they write.
 
+use deepshade_render::method::Repeats;
 use deepshade_render::screen::{MethodPasses, MethodStep};
 use deepshade_shaders::gpu::{self, Gpu, GpuError};
 
@@ -214,27 +215,20 @@ impl Cost {
     /// # Errors
     /// If the device fails.
     pub fn of(gpu: &Gpu, passes: &MethodPasses, runs: usize) -> Result<Self, GpuError> {
-        let Gpu { device, queue, .. } = gpu;
-        let warm_up = usize::from(runs > 1);
-        let time = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
-            gpu::time(device, queue, "surfel", warm_up, runs, record).map(|timing| timing.milliseconds)
-        };
+        let repeats = Repeats { warm_up: usize::from(runs > 1), timed: runs };
         let mut stages: Vec<(Stage, f64)> = Vec::new();
-        // Passes of one stage that follow one another are timed together. Whatever runs again finds what it
-        // left, which changes images and not the time.
         let stage_of = |step: &MethodStep| Stage::of(step).unwrap_or(Stage::Sum);
-        for together in passes.steps().chunk_by(|a, b| stage_of(a) == stage_of(b)) {
-            let milliseconds = time(&|encoder| {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                together.iter().for_each(|step| step.step.encode_in(&mut pass));
-            })?;
-            let stage = stage_of(&together[0]);
+        for time in passes.times(gpu, repeats, |step| stage_of(step).name().to_owned())? {
+            let stage = Stage::ALL.into_iter().find(|stage| stage.name() == time.name).expect("it is one");
             match stages.iter_mut().find(|(other, _)| *other == stage) {
-                Some((_, sum)) => *sum += milliseconds,
-                None => stages.push((stage, milliseconds)),
+                Some((_, sum)) => *sum += time.milliseconds,
+                None => stages.push((stage, time.milliseconds)),
             }
         }
-        let total = time(&|encoder| passes.encode(encoder))?;
+        let total = gpu::time(&gpu.device, &gpu.queue, "surfel", repeats.warm_up, runs, |encoder| {
+            passes.encode(encoder);
+        })?;
+        let total = total.milliseconds;
         Ok(Self { stages, total, megabytes: megabytes(passes), surfels: surfels(gpu, passes)? })
     }
 }

@@ -1,7 +1,9 @@
 //! The passes of a method, bound and ready to run as often as wanted.
 
 use super::{Inputs, Resources, ScreenMethod, View};
-use deepshade_shaders::gpu::{self, BoundPass, GpuError, Pass, Stamps};
+use crate::method::Repeats;
+use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass, Stamps};
+use deepshade_shaders::lists;
 
 /// How many workgroups of a pass run.
 #[derive(Clone, Debug)]
@@ -89,6 +91,24 @@ impl MethodStep {
         let writes = writes.iter().map(|(_, buffer)| (*buffer).clone()).collect();
         Ok(Self { step: PassDispatch { pass, workgroups: workgroups.into() }, writes })
     }
+
+    /// The same as one of a part of its method.
+    #[must_use]
+    pub fn within(mut self, part: &str) -> Self {
+        self.step.pass = self.step.pass.within(part);
+        self
+    }
+}
+
+/// What passes of one name that follow one another take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PassTime {
+    /// The shader's name, after that of the method's part where it has several: `sky/bounced-z.sky`.
+    pub name: String,
+    /// How many passes.
+    pub passes: usize,
+    /// Median time of all of them, milliseconds.
+    pub milliseconds: f64,
 }
 
 /// The passes of a method for one g-buffer on the GPU.
@@ -143,6 +163,44 @@ impl MethodPasses {
         for MethodStep { step, .. } in &self.steps {
             step.encode_in(pass);
         }
+    }
+
+    /// What they take, in the order in which they run. Passes that follow one another under one name are timed
+    /// together. All run once a frame, as they do in use: what some leave others would read twice.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn times(
+        &self,
+        gpu: &Gpu,
+        repeats: Repeats,
+        name: impl Fn(&MethodStep) -> String,
+    ) -> Result<Vec<PassTime>, GpuError> {
+        let together: Vec<&[MethodStep]> = self.steps.chunk_by(|a, b| name(a) == name(b)).collect();
+        let mut runs = vec![Vec::new(); together.len()];
+        for run in 0..repeats.warm_up + repeats.timed.max(1) {
+            for (steps, runs) in together.iter().zip(&mut runs) {
+                let milliseconds = self.time_once(gpu, steps)?;
+                if run >= repeats.warm_up {
+                    runs.push(milliseconds);
+                }
+            }
+        }
+        let time = |(steps, runs): (&&[MethodStep], Vec<f64>)| PassTime {
+            name: name(&steps[0]),
+            passes: steps.len(),
+            milliseconds: lists::median(runs),
+        };
+        Ok(together.iter().zip(runs).map(time).collect())
+    }
+
+    /// How long some of the passes take, once.
+    fn time_once(&self, gpu: &Gpu, steps: &[MethodStep]) -> Result<f64, GpuError> {
+        let timing = gpu::time(&gpu.device, &gpu.queue, &self.label, 0, 1, |encoder| {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            steps.iter().for_each(|step| step.step.encode_in(&mut pass));
+        })?;
+        Ok(timing.milliseconds)
     }
 
     /// The passes in order, for whoever wants what lies between them.

@@ -111,12 +111,7 @@ impl Cloud {
         let counted = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
         let mut steps = vertices::steps(device, [view, &world.geometry.posed, vertices])?;
         steps.extend([
-            step(
-                Shader::at("surfels/measure"),
-                *count,
-                &[settings, view, vertices, patches],
-                &[amounts, starts],
-            )?,
+            step(Shader::at("surfels/measure"), *count, &[settings, vertices, patches], &[amounts, starts])?,
             step(Shader::at("surfels/sum"), in_blocks, &[starts], &[blocks])?,
             step(Shader::at("surfels/sum"), in_all, &[blocks], &[all])?,
             step(Shader::at("surfels/total"), 1, &[], &[all, totals])?,

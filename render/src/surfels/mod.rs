@@ -58,7 +58,11 @@ pub struct SurfelDensity {
 impl SurfelDensity {
     /// What the passes read.
     pub fn settings(&self, view: &View) -> uniforms::Surfels {
+        let [slope_x, slope_y] =
+            [view.width, view.height].map(|edge| 2.0 * view.focal_length() / edge as f32);
         uniforms::Surfels {
+            slope_x,
+            slope_y,
             slope: self.scale * (0.5 * view.camera.vertical_fov).tan(),
             near: self.near * view.radius,
             reach: view.radius,

@@ -65,8 +65,9 @@ impl Laid {
         let [x, y, z] = patch.weights();
         let (corners, weights) = (Mat3::from_cols(a, b, c), Mat3::from_cols(x, y, z));
         let area = 0.5 * (b - a).cross(c - a).length() * (-2.0 * patch.halvings() as f32).exp2();
-        let depth = -(corners * (weights * Vec3::splat(1.0 / 3.0))).z;
-        let radius = settings.slope * ((depth - settings.near).abs() + settings.near);
+        let middle = corners * (weights * Vec3::splat(1.0 / 3.0));
+        let aside = outside(middle, settings).max(0.0);
+        let radius = settings.slope * ((middle.z + settings.near).abs() + settings.near + aside);
         Self { corners, weights, area, radius: radius.max((area / (PI * MOST_A_PATCH)).sqrt()) }
     }
 
@@ -120,15 +121,16 @@ fn threshold(index: u32) -> f32 {
     (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
 }
 
+/// How far a point of camera space is outside of what is seen, metres; negative inside.
+pub fn outside(point: Vec3, settings: &uniforms::Surfels) -> f32 {
+    let slopes = Vec2::new(settings.slope_x, settings.slope_y);
+    let beyond = (point.truncate().abs() * slopes + point.z) / (Vec2::ONE + slopes * slopes).map(f32::sqrt);
+    beyond.max_element()
+}
+
 /// How many surfels each patch gets; the last one is the fraction of one.
-pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfels, view: &View) -> Vec<f32> {
-    let slopes = 2.0 * view.focal_length() / Vec2::new(view.width as f32, view.height as f32);
-    let matters = |middle: Vec3, reach: f32| {
-        let depth = -middle.z;
-        let outside =
-            (middle.truncate().abs() * slopes - depth) / (Vec2::ONE + slopes * slopes).map(f32::sqrt);
-        depth > -reach && outside.max_element() < reach
-    };
+pub fn amounts(patches: &[Patch], vertices: &[Vec3], settings: &uniforms::Surfels) -> Vec<f32> {
+    let matters = |middle: Vec3, reach: f32| -middle.z > -reach && outside(middle, settings) < reach;
     let amount = |(index, patch): (usize, &Patch)| {
         let laid = Laid::new(patch, vertices, settings);
         let share = laid.area / (PI * laid.radius * laid.radius);
@@ -222,7 +224,7 @@ fn patches_and_disks(
     let (vertices, settings) = (vertices(scene.meshes.iter(), &view.camera), parameters.settings(view));
     let mut all = Vec::new();
     let patches = patches::painted_where(scene, reflectance, |patches| {
-        all = amounts(patches, &vertices, &settings, view);
+        all = amounts(patches, &vertices, &settings);
         all.iter().map(|amount| *amount > 0.0).collect()
     });
     let disks = disks(&patches, &vertices, &all, &settings);

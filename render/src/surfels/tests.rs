@@ -77,7 +77,8 @@ fn they_look_equally_large_wherever_they_are() {
     let disks = disks(&scene, &PARAMETERS, 2.0);
     let settings = PARAMETERS.settings(&view(2.0));
     let size = |disk: &Disk| {
-        disk.radius / (settings.slope * ((-disk.place.z - settings.near).abs() + settings.near))
+        let aside = reference::outside(disk.place, &settings).max(0.0);
+        disk.radius / (settings.slope * ((disk.place.z + settings.near).abs() + settings.near + aside))
     };
     let mut sizes: Vec<f32> = disks.iter().map(size).collect();
     sizes.sort_unstable_by(f32::total_cmp);
@@ -85,6 +86,21 @@ fn they_look_equally_large_wherever_they_are() {
     // The last one of a patch is a fraction; patches are small beside their distance.
     assert!(disks.len() > 2000, "{}", disks.len());
     assert!(at(0.9) < 1.1 && at(0.99) < 1.25 && at(0.5) > 0.9, "{} {} {}", at(0.5), at(0.9), at(0.99));
+}
+
+#[test]
+fn what_lies_beside_the_camera_is_not_laid_out_finely() {
+    // A wall in the plane of the camera, 100 m wide; it stands 10 m aside.
+    let (near, far) = (Vec3::new(10.0, -50.0, 0.0), Vec3::new(110.0, 50.0, 0.0));
+    let corners = vec![near, Vec3::new(far.x, near.y, 0.0), far, Vec3::new(near.x, far.y, 0.0)];
+    let wall = scene(corners, vec![[0, 1, 2], [0, 2, 3]]);
+    let parameters = SurfelDensity { near: 1e-5, ..PARAMETERS };
+    let disks = disks(&wall, &parameters, 1e4);
+    let slope = parameters.settings(&view(1e4)).slope;
+    let fine = disks.iter().filter(|disk| disk.radius < 5.0 * slope).count();
+    // The last one of a patch is a fraction.
+    assert!(fine * 10 < disks.len(), "{fine} of {} are as if they were less than 5 m away", disks.len());
+    assert!((total_area(&disks) / 1e4 - 1.0).abs() < 0.05);
 }
 
 #[test]
@@ -170,7 +186,7 @@ fn the_passes_make_what_the_plain_version_does() {
         assert_eq!(made.patches, of_scene(&scene, Reflectance::Diffuse));
         let settings = PARAMETERS.settings(&view);
         let vertices = reference::vertices(scene.meshes.iter(), &view.camera);
-        let amounts = reference::amounts(&made.patches, &vertices, &settings, &view);
+        let amounts = reference::amounts(&made.patches, &vertices, &settings);
         let differ =
             amounts.iter().zip(&made.amounts).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.max(**b)).count();
         assert!(differ * 1000 < amounts.len(), "{name}: {differ} amounts of {}", amounts.len());

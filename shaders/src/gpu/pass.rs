@@ -134,9 +134,20 @@ impl BoundPass {
         pass.dispatch_workgroups_indirect(counts, offset);
     }
 
+    /// The shader's name, after that of the part that it belongs to.
+    pub fn name(&self) -> &str {
+        self.label.strip_prefix(LABEL).unwrap_or(&self.label)
+    }
+
     /// Whether it runs the shader of that name.
     pub fn is_of(&self, shader: &str) -> bool {
-        self.label.strip_prefix(LABEL).is_some_and(|name| name == shader)
+        self.name() == shader
+    }
+
+    /// The same pass as one of a part of a method.
+    #[must_use]
+    pub fn within(self, part: &str) -> Self {
+        Self { label: format!("{LABEL}{part}/{}", self.name()), ..self }
     }
 
     fn set_in(&self, pass: &mut wgpu::ComputePass<'_>) {

@@ -21,11 +21,19 @@ struct Laid {
     radius: f32,
 }
 
+// How far a point of camera space is outside of what is seen, metres; negative inside.
+fn outside(point: vec3f) -> f32 {
+    let slopes = vec2f(settings.slope_x, settings.slope_y);
+    let beyond = (abs(point.xy) * slopes + point.z) / sqrt(1.0 + slopes * slopes);
+    return max(beyond.x, beyond.y);
+}
+
 // r* = s tan(alpha / 2) (d + d_near) with the unsigned distance to the near plane (thesis 4.2.1), so that
-// what is behind the camera has surfels too, but no more than MOST.
-fn target_radius(depth: f32, area: f32) -> f32 {
-    let radius = settings.slope * (abs(depth - settings.near) + settings.near);
-    return max(radius, sqrt(area / (PI * MOST)));
+// what is behind the camera has surfels too, but no more than MOST. Beyond the paper's, what is not seen is
+// as much farther as it is outside: of all that lies beside the camera there would be millions.
+fn target_radius(middle: vec3f, area: f32) -> f32 {
+    let distance = abs(middle.z + settings.near) + settings.near + max(outside(middle), 0.0);
+    return max(settings.slope * distance, sqrt(area / (PI * MOST)));
 }
 
 fn laid(one: Patch) -> Laid {
@@ -37,6 +45,6 @@ fn laid(one: Patch) -> Laid {
     let triangle = 0.5 * length(cross(it.corners[1] - it.corners[0], it.corners[2] - it.corners[0]));
     it.area = triangle * exp2(-2.0 * f32(one.part >> 28u));
     let middle = it.corners * ((it.weights[0] + it.weights[1] + it.weights[2]) / 3.0);
-    it.radius = target_radius(-middle.z, it.area);
+    it.radius = target_radius(middle, it.area);
     return it;
 }

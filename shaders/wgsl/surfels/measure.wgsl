@@ -7,16 +7,14 @@
 #import shared/surfel
 #import shared/surfel_patch
 #import shared/surfel_patch_record
-#import uniforms/frame_view
 #import uniforms/surfels
 #constant HEIGHT = 8
 
 @group(0) @binding(0) var<uniform> settings: Surfels;
-@group(0) @binding(1) var<uniform> view: FrameView;
-@group(0) @binding(2) var<storage, read> vertices: array<f32>;
-@group(0) @binding(3) var<storage, read> patches: array<Patch>;
-@group(0) @binding(4) var<storage, read_write> amounts: array<f32>;
-@group(0) @binding(5) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(1) var<storage, read> vertices: array<f32>;
+@group(0) @binding(2) var<storage, read> patches: array<Patch>;
+@group(0) @binding(3) var<storage, read_write> amounts: array<f32>;
+@group(0) @binding(4) var<storage, read_write> counts: array<u32>;
 
 // The share of a surfel that a patch of `share` of one gets, at a threshold from 0 to 1: 0 below it, rising
 // above it, and 1 for all thresholds where the share is 1. Its mean over all thresholds is the share.
@@ -40,10 +38,7 @@ fn threshold(index: u32) -> f32 {
 
 // Whether what is this near to a point may be seen.
 fn matters(middle: vec3f, reach: f32) -> bool {
-    let depth = -middle.z;
-    let slopes = vec2f(view.scale_x, view.scale_y);
-    let outside = (abs(middle.xy) * slopes - depth) / sqrt(1.0 + slopes * slopes);
-    return depth > -reach && all(outside < vec2f(reach));
+    return -middle.z > -reach && outside(middle) < reach;
 }
 
 @compute @workgroup_size(64)

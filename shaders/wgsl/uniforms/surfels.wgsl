@@ -6,4 +6,8 @@ struct Surfels {
     near: f32,
     /// How far the effect reaches, metres.
     reach: f32,
+    /// Half images to the right per metre, at depth 1.
+    slope_x: f32,
+    /// Half images up.
+    slope_y: f32,
 }

@@ -69,32 +69,37 @@ pub struct ComposedParameters {
 }
 
 impl ComposedParameters {
-    /// All parts of a quality.
+    /// All parts of a quality. Light between surfaces and the eye is smooth: a finer grid takes most of the
+    /// time and changes nothing that is seen.
     pub fn of(quality: Quality) -> Self {
+        let of_volume = match quality {
+            Quality::Low | Quality::Medium => Quality::Low,
+            Quality::High => Quality::Medium,
+            Quality::Ultra => Quality::High,
+        };
         Self {
             surfaces: SurfelParameters::of(quality),
             sky: BouncedZParameters::of(quality),
             surfaces_scale: if quality == Quality::Low { 2 } else { 1 },
             shafts: FroxelParameters::of(quality),
-            volume: LpvParameters::of(quality),
+            volume: LpvParameters::of(of_volume),
             phosphor: RateEquationParameters::of(quality),
         }
     }
 
     /// The parts, in the order in which they are added.
-    fn parts(&self) -> [Part; 6] {
+    fn parts(&self) -> [Part; 5] {
         let scale = self.surfaces_scale;
         let surfaces = scaled(FromFar { parameters: self.surfaces, effect: OF_SURFACES }, scale);
         let sky = scaled(FromFar { parameters: self.sky, effect: SKY_LIGHT }, scale);
-        let part = |shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool| Part::new(shown, made, has);
-        let has_medium = |scene: &Scene| scene.medium.is_some();
+        let has_medium: fn(&Scene) -> bool = |scene| scene.medium.is_some();
+        let lights: fn(&Scene) -> bool = |scene| !scene.lights.is_empty() || scene.emits();
         [
-            part(Shown::Reflected, surfaces, |scene| !scene.lights.is_empty() || scene.emits()),
-            part(Shown::Reflected, sky, |scene| scene.environment.is_some()),
-            part(Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
-            part(Shown::Between, Box::new(self.shafts), has_medium),
-            part(Shown::Between, Box::new(InMedium::indirect(self.volume)), has_medium),
-            part(Shown::Between, Box::new(InMedium::multiple(self.volume)), has_medium),
+            Part::new("surfaces", Shown::Reflected, surfaces, lights),
+            Part::new("sky", Shown::Reflected, sky, |scene| scene.environment.is_some()),
+            Part::new("phosphor", Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
+            Part::new("shafts", Shown::Between, Box::new(self.shafts), has_medium),
+            Part::new("volume", Shown::Between, Box::new(InMedium::both(self.volume)), has_medium),
         ]
     }
 }
@@ -105,6 +110,7 @@ const OF_SURFACES: DiskEffect<SurfelParameters> =
 
 /// One method's part of all light.
 struct Part {
+    name: &'static str,
     shown: Shown,
     made: Box<dyn Technique>,
     /// How many uniform buffers it has, whatever the view.
@@ -114,7 +120,7 @@ struct Part {
 }
 
 impl Part {
-    fn new(shown: Shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool) -> Self {
+    fn new(name: &'static str, shown: Shown, made: Box<dyn Technique>, has: fn(&Scene) -> bool) -> Self {
         let any = View {
             height: 1,
             width: 1,
@@ -123,7 +129,7 @@ impl Part {
             seed: 0,
         };
         let uniforms = made.uniforms(&any).len();
-        Self { shown, made, uniforms, has }
+        Self { name, shown, made, uniforms, has }
     }
 }
 

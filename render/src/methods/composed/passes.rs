@@ -30,8 +30,9 @@ pub fn steps(parts: &[Part], to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuE
             steps.push(dim_step(to, world, &view[0])?);
             is_dimmed = true;
         }
-        steps.extend(part.made.steps(&Resources { uniforms, output: &room, ..*to })?);
-        steps.push(add_step(to, &view[0], (&room, part.shown))?);
+        let made = part.made.steps(&Resources { uniforms, output: &room, ..*to })?;
+        let added = add_step(to, &view[0], (&room, part.shown))?;
+        steps.extend(made.into_iter().chain([added]).map(|step| step.within(part.name)));
     }
     Ok(steps)
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::bvh::TracedScene;
 use crate::gbuffer;
+use crate::method::{Frame, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::path::{self, Sampling, Shot};
@@ -53,6 +54,24 @@ fn the_passes_make_what_the_plain_version_does() {
         // Shadow maps end within a texel of where shadows do.
         prove_twin(&method, &frame, Tolerance { usual: 1e-3, worst: 0.05 });
     }
+}
+
+#[test]
+fn each_part_that_a_scene_has_takes_its_own_time() {
+    let method = ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), few());
+    let parts = |(scene, view, gbuffer): ViewedScene| {
+        let View { camera, radius, seed, .. } = view;
+        let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed };
+        let times = method.pass_times(&frame, Repeats { warm_up: 0, timed: 2 }).expect("it runs");
+        assert!(times.iter().all(|time| time.milliseconds > 0.0));
+        let mut parts: Vec<String> =
+            times.iter().filter_map(|time| Some(time.name.split_once('/')?.0.to_owned())).collect();
+        parts.dedup();
+        parts
+    };
+    assert_eq!(parts(seen(corner(), |_| ())), ["surfaces"]);
+    assert_eq!(parts(seen(corner(), under_a_sky)), ["surfaces", "sky"]);
+    assert_eq!(parts(seen(foggy().remove(0), |_| ())), ["surfaces", "shafts", "volume"]);
 }
 
 fn plain(scene: &TracedScene, view: &View, gbuffer: &GBuffer) -> Planes {

@@ -12,41 +12,63 @@ use deepshade_shaders::gpu::GpuError;
 use deepshade_shaders::wgsl::uniforms;
 use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 
-/// What of light in a medium is shown where.
+/// What of light in a medium is shown where: one kind, or both added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InMedium {
     parameters: LpvParameters,
+    effect: Effect,
+    shown: [Option<Kind>; 2],
+}
+
+/// A kind of light, and what of pixels it lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kind {
     light: MediumLight,
     pixel: Pixel,
+}
+
+impl Kind {
+    const MULTIPLE: Self =
+        Self { light: MediumLight::Multiple, pixel: Pixel { medium: true, surface: true } };
+    const INDIRECT: Self = Self::indirect(Pixel { medium: true, surface: false });
+
+    const fn indirect(pixel: Pixel) -> Self {
+        Self { light: MediumLight::Reflected { by_surfaces: pixel.surface }, pixel }
+    }
 }
 
 impl InMedium {
     /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have
     /// reflected, shown by the medium: `fog-multiple`.
     pub const fn multiple(parameters: LpvParameters) -> Self {
-        Self { parameters, light: MediumLight::Multiple, pixel: Pixel { medium: true, surface: true } }
+        Self { parameters, effect: Effect::FogMultiple, shown: [Some(Kind::MULTIPLE), None] }
     }
 
     /// Light that one surface has reflected and that was not scattered yet, shown by the medium:
     /// `fog-indirect`.
     pub const fn indirect(parameters: LpvParameters) -> Self {
-        Self::indirect_at(parameters, Pixel { medium: true, surface: false })
+        Self { parameters, effect: Effect::FogIndirect, shown: [Some(Kind::INDIRECT), None] }
     }
 
     /// The same, shown by what is said.
     pub const fn indirect_at(parameters: LpvParameters, pixel: Pixel) -> Self {
-        Self { parameters, light: MediumLight::Reflected { by_surfaces: pixel.surface }, pixel }
+        Self { shown: [Some(Kind::indirect(pixel)), None], ..Self::indirect(parameters) }
+    }
+
+    /// Both, of the same surfels.
+    pub const fn both(parameters: LpvParameters) -> Self {
+        Self { parameters, effect: Effect::Path, shown: [Some(Kind::INDIRECT), Some(Kind::MULTIPLE)] }
+    }
+
+    fn kinds(&self) -> impl Iterator<Item = Kind> {
+        self.shown.into_iter().flatten()
     }
 }
 
 impl Technique for InMedium {
     fn about(&self) -> About {
-        let effect = match self.light {
-            MediumLight::Multiple => Effect::FogMultiple,
-            MediumLight::Reflected { .. } => Effect::FogIndirect,
-        };
         let seen = &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
-        About::beyond_screen("lpv", effect, seen)
+        About::beyond_screen("lpv", self.effect, seen)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
@@ -58,20 +80,33 @@ impl Technique for InMedium {
     }
 
     fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
-        let (volumes, mut steps) = passes::volume_steps(to, self.parameters, Filled::Medium(self.light))?;
         let [.., march] = to.uniforms else { unreachable!("the march has a uniform buffer") };
         let (view, scale) = (&to.uniforms[passes::VIEW], self.parameters.scale);
-        steps.extend(Marched { to, view, march, pixel: self.pixel, scale }.steps(&volumes)?);
+        // Surfels are lit alike for all kinds.
+        let (surfels, mut steps) =
+            passes::lit_surfels(to, self.parameters, Filled::Medium(MediumLight::Multiple))?;
+        for (number, Kind { light, pixel }) in self.kinds().enumerate() {
+            let (volumes, filling) =
+                passes::volume_steps(to, self.parameters, Filled::Medium(light), &surfels)?;
+            steps.extend(filling);
+            steps.extend(Marched { to, view, march, pixel, scale, adds: number > 0 }.steps(&volumes)?);
+        }
         Ok(steps)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         inputs.image_of_scene(|scene| {
+            let mut sum = Planes::filled(3, view.height, view.width, 0.0);
             let Some(medium) = scene.scene().medium.as_deref() else {
-                return Ok(Planes::filled(3, view.height, view.width, 0.0));
+                return Ok(sum);
             };
-            let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(self.light), f32::MAX);
-            reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (self.pixel, view))
+            for Kind { light, pixel } in self.kinds() {
+                let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(light), f32::MAX);
+                let image =
+                    reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (pixel, view))?;
+                sum.data_mut().iter_mut().zip(image.data()).for_each(|(sum, value)| *sum += value);
+            }
+            Ok(sum)
         })
     }
 }

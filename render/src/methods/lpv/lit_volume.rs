@@ -255,7 +255,7 @@ fn cells(scene: &TracedScene, edge: f32, filled: Filled) -> Option<PlainCells<'_
 fn disks(scene: &TracedScene, patches: &[Patch], cell: f32, view: &View, filled: Filled) -> Vec<Disk> {
     let vertices = surfels::vertices(scene.scene().meshes.iter(), &view.camera);
     let settings = surfel_settings(cell, scene.scene().bounds());
-    let amounts = surfels::amounts(patches, &vertices, &settings, view);
+    let amounts = surfels::amounts(patches, &vertices, &settings);
     let disks = surfels::disks(patches, &vertices, &amounts, &settings);
     surfels::lit(scene, disks, patches, &view.camera, filled.lit())
 }

@@ -110,6 +110,14 @@ impl LpvParameters {
     }
 }
 
+impl LpvParameters {
+    /// The edge of a cell of the finest grid, metres.
+    fn finest_cell(&self, bounds: Bounds) -> f32 {
+        let grids = self.grids(bounds, bounds.centre());
+        grids[grids.len() - 1].cell
+    }
+}
+
 impl Technique for LpvParameters {
     fn about(&self) -> About {
         About::beyond_screen("lpv", Effect::Gi, &[Attribute::Position, Attribute::Normal, Attribute::Valid])

@@ -124,10 +124,27 @@ pub fn uniforms(view: &View, reach: f32) -> Vec<Vec<u8>> {
 /// How surfels are laid out for cells of such an edge: all of one size, wherever the camera is.
 pub fn surfel_settings(cell: f32, bounds: Bounds) -> uniforms::Surfels {
     let far = FAR * bounds.diagonal().max(1e-6);
-    uniforms::Surfels { slope: 0.5 * SURFEL * cell / far, near: far, reach: f32::MAX.sqrt() }
+    let slope = 0.5 * SURFEL * cell / far;
+    uniforms::Surfels { slope, near: far, reach: f32::MAX.sqrt(), slope_x: 0.0, slope_y: 0.0 }
 }
 
-/// The passes that fill volumes, one around a scene and finer ones in it, and hand their light on.
+/// The surfels of a scene that is filled, whatever of its light is shown, and the passes that light them.
+///
+/// # Errors
+/// If there is no scene, or the device has no room.
+pub fn lit_surfels(
+    to: &Resources<'_>,
+    parameters: LpvParameters,
+    filled: Filled,
+) -> Result<(Surfels, Vec<MethodStep>), GpuError> {
+    let frame = Frame::new(to)?;
+    let surfels = Surfels::new(to.device, frame, parameters.finest_cell(frame.world.bounds), filled)?;
+    let steps = surfel_steps(to.device, frame, &surfels)?;
+    Ok((surfels, steps))
+}
+
+/// The passes that fill volumes with the light of surfels, one around a scene and finer ones in it, and hand
+/// it on.
 ///
 /// # Errors
 /// If there is no scene, or the device has no room.
@@ -135,13 +152,12 @@ pub fn volume_steps(
     to: &Resources<'_>,
     parameters: LpvParameters,
     filled: Filled,
+    surfels: &Surfels,
 ) -> Result<(Vec<VolumeOnGpu>, Vec<MethodStep>), GpuError> {
-    let (device, world) = (to.device, to.scene()?);
-    let frame = Frame { world, view: &to.uniforms[VIEW], reach: &to.uniforms[REACH] };
-    let grids = parameters.grids(world.bounds, world.bounds.centre());
-    let finest = grids[grids.len() - 1].cell;
-    let surfels = Surfels::new(device, frame, finest, filled)?;
-    let mut steps = surfel_steps(device, frame, &surfels)?;
+    let device = to.device;
+    let frame = Frame::new(to)?;
+    let grids = parameters.grids(frame.world.bounds, frame.world.bounds.centre());
+    let mut steps = Vec::new();
     let mut levels: Vec<Level> = Vec::new();
     for (number, grid) in grids.iter().enumerate() {
         let outside = levels.last();
@@ -155,7 +171,7 @@ pub fn volume_steps(
         };
         let nesting = Nesting { is_nested: number > 0, has_finer: number + 1 < grids.len() };
         let room = VolumeBuffers::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
-        let level = level_steps(device, frame, &surfels, room, outside, (parameters, filled))?;
+        let level = level_steps(device, frame, surfels, room, outside, (parameters, filled))?;
         steps.extend(level.1);
         levels.push(level.0);
     }
@@ -174,7 +190,9 @@ pub fn lit_steps(
     parameters: LpvParameters,
     filled: Filled,
 ) -> Result<Vec<MethodStep>, GpuError> {
-    let (volumes, mut steps) = volume_steps(to, parameters, filled)?;
+    let (surfels, mut steps) = lit_surfels(to, parameters, filled)?;
+    let (volumes, filling) = volume_steps(to, parameters, filled, &surfels)?;
+    steps.extend(filling);
     for volume in &volumes {
         steps.push(volume.lit_step(to, &to.uniforms[VIEW])?);
     }
@@ -292,6 +310,12 @@ struct Frame<'a> {
     reach: &'a wgpu::Buffer,
 }
 
+impl<'a> Frame<'a> {
+    fn new(to: &Resources<'a>) -> Result<Self, GpuError> {
+        Ok(Self { world: to.scene()?, view: &to.uniforms[VIEW], reach: &to.uniforms[REACH] })
+    }
+}
+
 /// One of the volumes, and light in it that a scene sends by itself, if it does.
 struct Level {
     light: VolumeOnGpu,
@@ -299,7 +323,7 @@ struct Level {
 }
 
 /// The surfels of a frame, and what shines by itself.
-struct Surfels {
+pub struct Surfels {
     cloud: Cloud,
     sent: wgpu::Buffer,
     settings: wgpu::Buffer,

@@ -71,6 +71,8 @@ pub struct Marched<'a> {
     pub pixel: Pixel,
     /// Of so many pixels along each axis one is marched.
     pub scale: usize,
+    /// Whether the image has other light already.
+    pub adds: bool,
 }
 
 impl Marched<'_> {
@@ -123,6 +125,7 @@ impl Marched<'_> {
         let shows = [
             ("SCATTERS", u32::from(self.pixel.medium && !volume.is_nested)),
             ("LIT", u32::from(self.pixel.surface)),
+            ("ADDS", u32::from(self.adds || volume.is_nested)),
             scattered(volume.kinds),
         ];
         let constants = [&self.constants(medium, volume)[..], &volume.nesting(), &shows].concat();

@@ -31,4 +31,4 @@ pub const INDIRECT: DiskEffect<SurfelParameters> = DiskEffect {
 
 /// The effect `phosphor-gi`.
 pub const KEPT_LIGHT: DiskEffect<SurfelParameters> =
-    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), on_processor: None, ..INDIRECT };
+    DiskEffect { effect: Effect::PhosphorGi, lit: Some(SurfelLight::Kept), ..INDIRECT };

@@ -1,6 +1,6 @@
 // The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as
-// far away (Kopf et al. 2007), and the surface behind it, lit by the grid's light. That of a finer grid is
-// added to what is there of the coarser ones.
+// far away (Kopf et al. 2007), and the surface behind it, lit by the grid's light. ADDS says that
+// other light is there already: of coarser grids, or of another kind.
 
 #import shared/lpv_irradiance
 #import shared/lpv_nested
@@ -12,8 +12,8 @@
 #import uniforms/light_grid
 #import uniforms/marching
 #import uniforms/medium_record
+#constant ADDS = 1
 #constant LIT = 1
-#constant NESTED = 1
 #constant SCALE = 1
 #constant SCATTERED = 1
 #constant SCATTERS = 1
@@ -86,7 +86,7 @@ fn apply(@builtin(global_invocation_id) id: vec3u) {
         sum += share_here(point) * passed * diffuse / PI * irradiance(point, normal, SCATTERED);
     }
     for (var c = 0u; c < 3u; c++) {
-        if NESTED == 1u {
+        if ADDS == 1u {
             sum[c] += image[at + c * pixels];
         }
         image[at + c * pixels] = sum[c];
