@@ -172,16 +172,13 @@ impl NetSpec {
         let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();
         let (inputs, of, over, levels) = match effect {
             Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
-            Effect::Gi | Effect::PhosphorGi => {
-                ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2)
-            }
+            Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
             Effect::Do => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
             Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),
             Effect::Sss => (filter(&[Normal, Relief, FreePathPixels]), Estimate, Light, 3),
             Effect::Aa => (filter(&[Normal, Relief]), Estimate, Light, 1),
-            Effect::FogDirect => (filter(&[Relief]), Estimate, Estimate, 3),
             _ => return None,
         };
         // Where nothing moves the method's image is right: measured, the network's was not.

@@ -189,11 +189,16 @@ impl ScreenMethod {
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
 
-    /// What each of its passes takes on a frame, as [`MethodPasses::times`] has it, by the names of shaders.
+    /// What its passes take on a frame, as [`MethodPasses::times`] has it, by the names of shaders, after that
+    /// of the part where the method has several: `sky/bounced-z.sky`.
     ///
     /// # Errors
     /// If the frame lacks something or the GPU fails.
-    pub fn pass_times(&self, frame: &Frame<'_>, repeats: Repeats) -> Result<Vec<PassTime>, MethodError> {
+    pub fn pass_times(
+        &self,
+        frame: &Frame<'_>,
+        repeats: Repeats,
+    ) -> Result<Vec<PassTime<String>>, MethodError> {
         let method = self.name();
         let failed = |source: GpuError| MethodError::Gpu { method, source };
         let passes = self.passes(frame)?;

@@ -10,7 +10,7 @@ use crate::{exposure_time, props};
 use anyhow::{Context, Result};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
-use deepshade_render::method::{Frame, Repeats};
+use deepshade_render::method::{Clock, Frame, Repeats, Shaded};
 use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_render::screen::PassTime;
@@ -27,7 +27,8 @@ const REPEATS: Repeats = Repeats { warm_up: 1, timed: 5 };
 #[command(after_help = "Examples:\n  deepshade bench passes\n  \
     deepshade bench passes --scene colonnade:1 --effect path --method composed --extinction 0.1 --quality low\n  \
     deepshade bench passes --scene sponza.gltf --effect gi --method surfel --size 1280x720 --json gi.json\n\n\
-    ms_PASS in the JSON file, ms_PART of a method that has parts, and ms, the sum.")]
+    In the JSON file ms is of the whole frame at once, ms_PASS of all passes of a shader, ms_PART of a part of a \
+    method. On software adapters each pass waits for the one before, so that they add up to more than ms.")]
 pub struct Args {
     /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
@@ -68,12 +69,11 @@ pub struct Args {
 /// If the scene cannot be read, there is no such method, or the device fails.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
-    let times = pass_times(args, &gpu)?;
-    let all: f64 = times.iter().map(|time| time.milliseconds).sum();
+    let (times, whole) = measured(args, &gpu)?;
     let parts = parts(&times);
     let mut figures = Figures::new("bench passes");
-    figures.set("ms", all);
-    let named = times.iter().map(|time| (time.name.as_str(), time.milliseconds));
+    figures.set("ms", whole.milliseconds);
+    let named = times.iter().map(|time| (time.key.as_str(), time.milliseconds));
     for (name, milliseconds) in parts.iter().copied().chain(named) {
         figures.set(&format!("ms_{}", name.replace(['-', '/', '.'], "_")), milliseconds);
     }
@@ -84,11 +84,12 @@ pub fn run(args: &Args) -> Result<()> {
     figures.detail("adapter", json!(gpu.info.name));
     figures.write(args.json.as_deref())?;
     print(args, &gpu, &times, &parts)?;
-    say!("{all:>12.2} ms  all, one after the other")
+    let clock = if whole.clock == Clock::Gpu { "the card's clock" } else { "the clock on the wall" };
+    say!("{:>12.2} ms  the whole frame at once, by {clock}", whole.milliseconds)
 }
 
-/// What each pass takes.
-fn pass_times(args: &Args, gpu: &Gpu) -> Result<Vec<PassTime>> {
+/// What the passes take, and the whole frame.
+fn measured(args: &Args, gpu: &Gpu) -> Result<(Vec<PassTime<String>>, Shaded)> {
     let method = open_screen(args.effect, &args.method, gpu, args.quality)?;
     let size = [args.size.height, args.size.width];
     let scene = exposure_time::Args::new(None, None).scene(&args.scene, &args.props, args.effect)?;
@@ -107,14 +108,14 @@ fn pass_times(args: &Args, gpu: &Gpu) -> Result<Vec<PassTime>> {
     let radius = radius::wanted(args.radius, None, &[args.effect], Space::seen(&scene, &camera, size));
     let gbuffer = gbuffer::render(&scene, &camera, size[0], size[1], args.effect.attributes());
     let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed: args.seed };
-    Ok(method.pass_times(&frame, REPEATS)?)
+    Ok((method.pass_times(&frame, REPEATS)?, method.shade_in_passes(&frame, REPEATS)?))
 }
 
 /// The parts of a method with their milliseconds; none of a method that is one.
-fn parts(times: &[PassTime]) -> Vec<(&str, f64)> {
+fn parts(times: &[PassTime<String>]) -> Vec<(&str, f64)> {
     let mut parts: Vec<(&str, f64)> = Vec::new();
     for time in times {
-        let Some((part, _)) = time.name.split_once('/') else { continue };
+        let Some((part, _)) = time.key.split_once('/') else { continue };
         match parts.iter_mut().find(|(known, _)| *known == part) {
             Some((_, sum)) => *sum += time.milliseconds,
             None => parts.push((part, time.milliseconds)),
@@ -123,12 +124,12 @@ fn parts(times: &[PassTime]) -> Vec<(&str, f64)> {
     parts
 }
 
-fn print(args: &Args, gpu: &Gpu, times: &[PassTime], parts: &[(&str, f64)]) -> Result<()> {
+fn print(args: &Args, gpu: &Gpu, times: &[PassTime<String>], parts: &[(&str, f64)]) -> Result<()> {
     let Args { method, scene, size, .. } = args;
     say!("{method} at {} on {scene}, {size}, {}", args.quality.name(), gpu.info.name)?;
-    for PassTime { name, passes, milliseconds } in times {
+    for PassTime { key, passes, milliseconds } in times {
         let often = if *passes > 1 { format!(", {passes} times") } else { String::new() };
-        say!("{milliseconds:>12.2} ms  {name}{often}")?;
+        say!("{milliseconds:>12.2} ms  {key}{often}")?;
     }
     for (part, milliseconds) in parts {
         say!("{milliseconds:>12.2} ms  {part}, all its passes")?;
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn parts_are_the_sums_of_their_passes() {
-        let time = |name: &str, milliseconds| PassTime { name: name.to_owned(), passes: 1, milliseconds };
+        let time = |key: &str, milliseconds| PassTime { key: key.to_owned(), passes: 1, milliseconds };
         let times = [time("composed.begin", 1.0), time("sky/a", 2.0), time("fog/a", 4.0), time("sky/b", 8.0)];
         assert_eq!(parts(&times), [("sky", 10.0), ("fog", 4.0)]);
         assert!(parts(&times[..1]).is_empty());

@@ -43,8 +43,6 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
         Effect::MotionBlur => vec![of("reconstruction", "high")],
         Effect::Sss => vec![of("separable", "ultra")],
         Effect::Aa => vec![of("fxaa", "high")],
-        Effect::FogDirect => vec![of("froxel", "low")],
-        Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         _ => vec![of("gtao", "high")],
     }
 }

@@ -216,15 +216,8 @@ impl Cost {
     /// If the device fails.
     pub fn of(gpu: &Gpu, passes: &MethodPasses, runs: usize) -> Result<Self, GpuError> {
         let repeats = Repeats { warm_up: usize::from(runs > 1), timed: runs };
-        let mut stages: Vec<(Stage, f64)> = Vec::new();
-        let stage_of = |step: &MethodStep| Stage::of(step).unwrap_or(Stage::Sum);
-        for time in passes.times(gpu, repeats, |step| stage_of(step).name().to_owned())? {
-            let stage = Stage::ALL.into_iter().find(|stage| stage.name() == time.name).expect("it is one");
-            match stages.iter_mut().find(|(other, _)| *other == stage) {
-                Some((_, sum)) => *sum += time.milliseconds,
-                None => stages.push((stage, time.milliseconds)),
-            }
-        }
+        let times = passes.times(gpu, repeats, |step| Stage::of(step).unwrap_or(Stage::Sum))?;
+        let stages = times.into_iter().map(|time| (time.key, time.milliseconds)).collect();
         let total = gpu::time(&gpu.device, &gpu.queue, "surfel", repeats.warm_up, runs, |encoder| {
             passes.encode(encoder);
         })?;

@@ -25,7 +25,7 @@ mod phong;
 #[cfg(test)]
 mod tests;
 
-pub use albedo::hemispherical_albedo;
+pub use albedo::{directional_albedo, directional_table, hemispherical_albedo};
 pub use fresnel::Fresnel;
 pub use ggx::Ggx;
 pub use phong::Phong;

@@ -4,6 +4,7 @@ use super::{Inputs, Resources, ScreenMethod, View};
 use crate::method::Repeats;
 use deepshade_shaders::gpu::{self, BoundPass, Gpu, GpuError, Pass, Stamps};
 use deepshade_shaders::lists;
+use web_time::Instant;
 
 /// How many workgroups of a pass run.
 #[derive(Clone, Debug)]
@@ -100,14 +101,14 @@ impl MethodStep {
     }
 }
 
-/// What passes of one name that follow one another take.
+/// What passes of one key take.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PassTime {
-    /// The shader's name, after that of the method's part where it has several: `sky/bounced-z.sky`.
-    pub name: String,
-    /// How many passes.
+pub struct PassTime<K> {
+    /// What is alike of them.
+    pub key: K,
+    /// How many they are.
     pub passes: usize,
-    /// Median time of all of them, milliseconds.
+    /// Time of all of them, milliseconds: the sum of the medians of those that follow one another.
     pub milliseconds: f64,
 }
 
@@ -165,33 +166,45 @@ impl MethodPasses {
         }
     }
 
-    /// What they take, in the order in which they run. Passes that follow one another under one name are timed
-    /// together. All run once a frame, as they do in use: what some leave others would read twice.
+    /// What they take by a key, in the order in which each runs first. All run once a frame, as they do in
+    /// use, since a pass that ran twice in a row would find what others have not made anew. Passes of one key
+    /// that follow one another are timed together.
     ///
     /// # Errors
     /// If the device fails.
-    pub fn times(
+    pub fn times<K: PartialEq>(
         &self,
         gpu: &Gpu,
         repeats: Repeats,
-        name: impl Fn(&MethodStep) -> String,
-    ) -> Result<Vec<PassTime>, GpuError> {
-        let together: Vec<&[MethodStep]> = self.steps.chunk_by(|a, b| name(a) == name(b)).collect();
+        key: impl Fn(&MethodStep) -> K,
+    ) -> Result<Vec<PassTime<K>>, GpuError> {
+        let together: Vec<&[MethodStep]> = self.steps.chunk_by(|a, b| key(a) == key(b)).collect();
         let mut runs = vec![Vec::new(); together.len()];
+        let start = Instant::now();
         for run in 0..repeats.warm_up + repeats.timed.max(1) {
+            let is_timed = run >= repeats.warm_up || start.elapsed() > gpu::PATIENCE;
             for (steps, runs) in together.iter().zip(&mut runs) {
                 let milliseconds = self.time_once(gpu, steps)?;
-                if run >= repeats.warm_up {
+                if is_timed {
                     runs.push(milliseconds);
                 }
             }
+            if is_timed && start.elapsed() > gpu::PATIENCE {
+                break;
+            }
         }
-        let time = |(steps, runs): (&&[MethodStep], Vec<f64>)| PassTime {
-            name: name(&steps[0]),
-            passes: steps.len(),
-            milliseconds: lists::median(runs),
-        };
-        Ok(together.iter().zip(runs).map(time).collect())
+        let mut times: Vec<PassTime<K>> = Vec::new();
+        for (steps, runs) in together.into_iter().zip(runs) {
+            let (key, passes, milliseconds) = (key(&steps[0]), steps.len(), lists::median(runs));
+            match times.iter_mut().find(|time| time.key == key) {
+                Some(time) => {
+                    time.passes += passes;
+                    time.milliseconds += milliseconds;
+                }
+                None => times.push(PassTime { key, passes, milliseconds }),
+            }
+        }
+        Ok(times)
     }
 
     /// How long some of the passes take, once.

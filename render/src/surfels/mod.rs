@@ -1,5 +1,5 @@
-//! Deep screen space: a scene as disks that all look equally large to the camera, whether it sees them or
-//! not.
+//! Deep screen space: a scene as disks that all look equally large to the camera. There are disks of what it
+//! does not see, too.
 //!
 //! Nalbach, Ritschel and Seidel, "Deep Screen Space", I3D 2014 (thesis 4.2.1). Surfels are to surfaces what
 //! pixels are to an image: near ones are small and far ones large, but those behind others, behind the camera
@@ -12,9 +12,9 @@
 //! - [`frame`] has all of these passes in order, with what they read.
 //! - [`reference`](mod@reference) is the slow, plain version.
 //!
-//! Unlike the paper's, no tessellation hardware is needed, no surfel is made that is thrown away, and surfels
-//! neither jump nor pop up when the camera moves, as each stays where it is and grows, in all frames at the
-//! same place.
+//! Unlike the paper's, no tessellation hardware is needed and no surfel is made that is thrown away. Disks
+//! outside of what is seen are larger. Surfels neither jump nor pop up when the camera moves, as each stays
+//! where it is and grows, in all frames at the same place.
 //!
 //! Limits. Where more than [`MOST`] are wanted, which of them stand for all changes with their number.
 //! Surfels have the normals of their triangles, not those that smooth meshes are shaded with. Lamps light

@@ -23,7 +23,7 @@ pub use pipeline_cache::PipelineCache;
 pub use raster::{DEPTH_FORMAT, RasterPass, target};
 pub use stamps::{PassClock, Stamps};
 pub use texture::{array_view, read_texture_array, sent_texture, sent_volume, texture_array};
-pub use timing::{Timing, time, time_async};
+pub use timing::{PATIENCE, Timing, time, time_async};
 pub use waiting::{idle, wait};
 
 use thiserror::Error;

@@ -139,9 +139,9 @@ impl BoundPass {
         self.label.strip_prefix(LABEL).unwrap_or(&self.label)
     }
 
-    /// Whether it runs the shader of that name.
+    /// Whether it runs the shader of that name, whatever part it belongs to.
     pub fn is_of(&self, shader: &str) -> bool {
-        self.name() == shader
+        self.name().rsplit('/').next() == Some(shader)
     }
 
     /// The same pass as one of a part of a method.

@@ -33,7 +33,7 @@ impl Timing {
 }
 
 /// How long a software adapter, on which a run may take minutes, is measured.
-const PATIENCE: Duration = Duration::from_secs(10);
+pub const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Runs recorded work `warm_up` times unmeasured and then `timed` times (at least 1, at most 2048), each run
 /// a submission of its own, and takes the median. Software adapters begin no further run, of either kind,

@@ -2,7 +2,7 @@
 //!
 //! | part | method |
 //! |---|---|
-//! | light of lamps that surfaces reflect | the g-buffer's `light`, dimmed by the medium on its way |
+//! | light of lamps that surfaces reflect | the g-buffer's `light`, reflected as truth has it ([`lamps`]) |
 //! | what surfaces emit, and the sky behind them | the g-buffer's `emission`, the environment |
 //! | light that surfaces get of others that emit or that lamps light | [`surfel`](super::surfel) of `gi` |
 //! | light of the sky, and what other surfaces reflect of it | [`bounced-z`](super::bounced_z::sky_light) |
@@ -19,16 +19,18 @@
 //! the medium in front of it. Surfels send all that a surface reflects of lamps, not its diffuse colour
 //! alone. Both parts by surfels may shade half the rows and columns ([`Halved`]).
 //!
-//! Limits. Surfaces reflect the sky and other surfaces by their diffuse colour alone, so that what is metal
-//! shows lamps and nothing else. Light of lamps that was reflected more than twice is missing unless the
-//! medium scatters it. So is light of what emits that was reflected more than once, and that of the sky that
-//! was reflected more than three times. Nothing hides what surfaces send of lamps or emit. Light between
-//! surfaces is dimmed up to the first of them only. The sky lights surfaces as if there were no medium, and
-//! does not light the medium. The lens and the shutter are wide open and instant: neither depth of field nor
-//! motion blur.
+//! Limits. Of several lamps, those that are hidden from a surface dim the others, too. Surfaces reflect the
+//! sky and other surfaces as if they were everywhere alike, so that a mirror shows an even colour. Light of
+//! lamps that was reflected more than twice is missing unless the medium scatters it. So is light of what
+//! emits that was reflected more than once, and that of the sky that was reflected more than three times.
+//! Nothing hides what surfaces send of lamps or emit. Light between surfaces is dimmed up to the first of
+//! them only. The sky lights surfaces as if there were no medium, and does not light the medium. The lens and
+//! the shutter are wide open and instant: neither depth of field nor motion blur.
 
+mod lamps;
 mod passes;
 mod reference;
+mod reflectance;
 #[cfg(test)]
 mod tests;
 
@@ -69,8 +71,8 @@ pub struct ComposedParameters {
 }
 
 impl ComposedParameters {
-    /// All parts of a quality. Light between surfaces and the eye is smooth: a finer grid takes most of the
-    /// time and changes nothing that is seen.
+    /// All parts of a quality, but for the grid, which is that of a lower one: its light is smooth, and a finer
+    /// one would take most of the time and change nothing that is seen.
     pub fn of(quality: Quality) -> Self {
         let of_volume = match quality {
             Quality::Low | Quality::Medium => Quality::Low,
@@ -136,7 +138,7 @@ impl Part {
 /// How a part reaches the eye.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shown {
-    /// Surfaces reflect it in their diffuse colour.
+    /// Surfaces reflect it, as if it came from everywhere alike.
     Reflected,
     /// Surfaces send it as it is.
     Sent,
@@ -203,6 +205,8 @@ impl Technique for ComposedParameters {
             Attribute::Position,
             Attribute::Normal,
             Attribute::Diffuse,
+            Attribute::Specular,
+            Attribute::Glossiness,
             Attribute::Light,
             Attribute::Emission,
             Attribute::ObjectId,

@@ -1,6 +1,7 @@
 //! What runs on the GPU: the parts one after the other, each into a room that they share, added to the image.
 
-use super::{Part, Shown, sky};
+use super::{Part, Shown, lamps, sky};
+use crate::path::bsdf::directional_table;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
 use crate::screen::{MethodStep, PassDispatch, Resources};
@@ -19,6 +20,9 @@ pub fn steps(parts: &[Part], to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuE
     // How many uniform buffers a part has does not depend on the view.
     let (view, mut of_parts) = to.uniforms.split_at(1);
     let mut steps = vec![begin_step(to, &view[0])?];
+    if lamps::has(world.scene()) {
+        steps.extend(lamps::steps(to, world, &view[0])?.into_iter().map(|step| step.within("lamps")));
+    }
     let mut is_dimmed = false;
     for part in parts {
         let (uniforms, rest) = of_parts.split_at(part.uniforms);
@@ -55,8 +59,16 @@ fn add_step(
 ) -> Result<MethodStep, GpuError> {
     let reflected = ("REFLECTED", u32::from(shown == Shown::Reflected));
     let pass = to.device.pass(Shader::at("methods/composed/add"), &[reflected])?;
-    let [diffuse] = to.seen([Attribute::Diffuse]);
-    MethodStep::bind(to.device, &pass, to.whole(), &[view, part, diffuse], &[to.output])
+    let [position, normal, diffuse, specular, glossiness] = to.seen([
+        Attribute::Position,
+        Attribute::Normal,
+        Attribute::Diffuse,
+        Attribute::Specular,
+        Attribute::Glossiness,
+    ]);
+    let table = gpu::storage(to.device, "composed.directional", directional_table())?;
+    let reads = [view, position, normal, part, diffuse, specular, glossiness, &table];
+    MethodStep::bind(to.device, &pass, to.whole(), &reads, &[to.output])
 }
 
 fn dim_step(to: &Resources<'_>, world: &World, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {

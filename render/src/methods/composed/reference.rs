@@ -1,6 +1,6 @@
 //! The plain version: the parts' plain versions, added up.
 
-use super::{Part, Shown, sky};
+use super::{Part, Shown, lamps, reflectance, sky};
 use crate::bvh::TracedScene;
 use crate::methods::single_scattering::distances;
 use crate::scene::medium::POINTS;
@@ -18,10 +18,14 @@ pub fn image(parts: &[Part], inputs: &PlainInputs<'_>, view: &View) -> Result<Wr
         let (between, surfaces): (Vec<&Part>, Vec<&Part>) =
             has.partition(|part| part.shown == Shown::Between);
         let mut image = begun(inputs, view)?;
-        let diffuse = inputs.gbuffer.select(&[Attribute::Diffuse])?;
+        if lamps::has(scene.scene()) {
+            lamps::change(&mut image, scene, inputs, view)?;
+        }
+        let reflectance = reflectance::image(inputs.gbuffer)?;
         for part in surfaces {
             let shaded = part.made.reference(inputs, view)?.pop().unwrap_or_default();
-            let reflects = |at: usize| if part.shown == Shown::Reflected { diffuse.data()[at] } else { 1.0 };
+            let reflects =
+                |at: usize| if part.shown == Shown::Reflected { reflectance.data()[at] } else { 1.0 };
             let all = image.data_mut().iter_mut().zip(shaded).enumerate();
             all.for_each(|(at, (sum, part))| *sum += part * reflects(at));
         }

@@ -7,7 +7,7 @@ use crate::method::{Frame, Repeats};
 use crate::methods::proving::Tolerance;
 use crate::methods::proving::beyond::{corner, foggy, prove_twin};
 use crate::path::{self, Sampling, Shot};
-use crate::scene::{Material, MaterialId, Medium};
+use crate::scene::{Gloss, Light, Material, MaterialId, Medium, Mesh};
 use crate::screen::ScreenMethod;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{GBuffer, Planes};
@@ -49,11 +49,14 @@ fn the_passes_make_what_the_plain_version_does() {
         seen(corner(), by_its_floor),
         seen(foggy().remove(0), |_| ()),
         seen(foggy().remove(1), |_| ()),
+        seen(foggy().remove(0), by_its_floor),
     ];
-    for frame in frames {
-        // Shadow maps end within a texel of where shadows do.
-        prove_twin(&method, &frame, Tolerance { usual: 1e-3, worst: 0.05 });
-    }
+    // Shadow maps end within a texel of where shadows do.
+    let tolerance = Tolerance { usual: 1e-3, worst: 0.05 };
+    frames.iter().for_each(|frame| prove_twin(&method, frame, tolerance));
+    let few = few();
+    let nested = ComposedParameters { volume: LpvParameters { cascades: 2, ..few.volume }, ..few };
+    prove_twin(&method.with(nested), &frames[2], tolerance);
 }
 
 #[test]
@@ -65,13 +68,13 @@ fn each_part_that_a_scene_has_takes_its_own_time() {
         let times = method.pass_times(&frame, Repeats { warm_up: 0, timed: 2 }).expect("it runs");
         assert!(times.iter().all(|time| time.milliseconds > 0.0));
         let mut parts: Vec<String> =
-            times.iter().filter_map(|time| Some(time.name.split_once('/')?.0.to_owned())).collect();
+            times.iter().filter_map(|time| Some(time.key.split_once('/')?.0.to_owned())).collect();
         parts.dedup();
         parts
     };
-    assert_eq!(parts(seen(corner(), |_| ())), ["surfaces"]);
-    assert_eq!(parts(seen(corner(), under_a_sky)), ["surfaces", "sky"]);
-    assert_eq!(parts(seen(foggy().remove(0), |_| ())), ["surfaces", "shafts", "volume"]);
+    assert_eq!(parts(seen(corner(), |_| ())), ["lamps", "surfaces"]);
+    assert_eq!(parts(seen(corner(), under_a_sky)), ["lamps", "surfaces", "sky"]);
+    assert_eq!(parts(seen(foggy().remove(0), |_| ())), ["lamps", "surfaces", "shafts", "volume"]);
 }
 
 fn plain(scene: &TracedScene, view: &View, gbuffer: &GBuffer) -> Planes {
@@ -95,6 +98,34 @@ fn all_parts_together_are_about_as_bright_as_truth() {
         let ratio = plain(&scene, &view, &gbuffer).mean() / truth;
         assert!((least..1.1).contains(&ratio), "{ratio}");
     }
+}
+
+#[test]
+fn a_glossy_floor_seen_from_low_down_reflects_a_lamp_as_truth_does() {
+    let corners = [(-9.0, 9.0), (9.0, 9.0), (9.0, -9.0), (-9.0, -9.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+    let floor =
+        Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+    let lamp = Light::Point {
+        position: Vec3::new(0.5, 2.0, -3.0),
+        intensity: Vec3::splat(9.0),
+        range: f32::INFINITY,
+    };
+    let material = Material { roughness: 0.7, ..Material::matte("floor", Vec3::splat(0.6)) };
+    let glossy = Material { gloss: Gloss::Microfacets, ..material };
+    let scene =
+        Scene { meshes: vec![floor].into(), materials: vec![glossy], lights: vec![lamp], ..Scene::default() };
+    let scene = TracedScene::new(scene).expect("triangles");
+    let camera = Camera::look_at(Vec3::new(0.0, 0.4, 3.0), Vec3::new(0.0, 0.0, -1.0));
+    let (height, width) = (24, 32);
+    let view = View { height, width, camera, radius: 0.1, seed: 1 };
+    let gbuffer = gbuffer::render(&scene, &camera, height, width, few().about().attributes);
+    let shot = Shot::new(&scene, &camera, [height, width], view.radius);
+    let truth = path::render(Effect::Path, &shot, Sampling::one(64, 1)).mean.mean();
+    let ratio = plain(&scene, &view, &gbuffer).mean() / truth;
+    assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    // Phong's model is another.
+    let by_phong = gbuffer.select(&[Attribute::Light]).expect("light").mean() / truth;
+    assert!(by_phong > 1.1, "{by_phong}");
 }
 
 #[test]

@@ -16,7 +16,6 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute, Planes};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InMedium {
     parameters: LpvParameters,
-    effect: Effect,
     shown: [Option<Kind>; 2],
 }
 
@@ -41,23 +40,23 @@ impl InMedium {
     /// Light that was scattered, shown by the medium and by surfaces, and light that several surfaces have
     /// reflected, shown by the medium: `fog-multiple`.
     pub const fn multiple(parameters: LpvParameters) -> Self {
-        Self { parameters, effect: Effect::FogMultiple, shown: [Some(Kind::MULTIPLE), None] }
+        Self { parameters, shown: [Some(Kind::MULTIPLE), None] }
     }
 
     /// Light that one surface has reflected and that was not scattered yet, shown by the medium:
     /// `fog-indirect`.
     pub const fn indirect(parameters: LpvParameters) -> Self {
-        Self { parameters, effect: Effect::FogIndirect, shown: [Some(Kind::INDIRECT), None] }
+        Self { parameters, shown: [Some(Kind::INDIRECT), None] }
     }
 
     /// The same, shown by what is said.
     pub const fn indirect_at(parameters: LpvParameters, pixel: Pixel) -> Self {
-        Self { shown: [Some(Kind::indirect(pixel)), None], ..Self::indirect(parameters) }
+        Self { parameters, shown: [Some(Kind::indirect(pixel)), None] }
     }
 
     /// Both, of the same surfels.
     pub const fn both(parameters: LpvParameters) -> Self {
-        Self { parameters, effect: Effect::Path, shown: [Some(Kind::INDIRECT), Some(Kind::MULTIPLE)] }
+        Self { parameters, shown: [Some(Kind::INDIRECT), Some(Kind::MULTIPLE)] }
     }
 
     fn kinds(&self) -> impl Iterator<Item = Kind> {
@@ -68,7 +67,9 @@ impl InMedium {
 impl Technique for InMedium {
     fn about(&self) -> About {
         let seen = &[Attribute::Position, Attribute::Normal, Attribute::Diffuse, Attribute::Valid];
-        About::beyond_screen("lpv", self.effect, seen)
+        let is_multiple = self.kinds().any(|kind| kind.light == MediumLight::Multiple);
+        let effect = if is_multiple { Effect::FogMultiple } else { Effect::FogIndirect };
+        About::beyond_screen("lpv", effect, seen)
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {

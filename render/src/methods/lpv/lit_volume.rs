@@ -68,9 +68,10 @@ impl LitVolumes {
     ) -> Self {
         let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
         let patches = patches::of_scene(scene.scene(), SurfelLight::reflectance(Some(filled.lit())));
-        let disks = disks(scene, &patches, grids[grids.len() - 1].cell, view, filled);
+        let cell = parameters.finest_cell(scene.scene().bounds());
+        let disks = disks(scene, &patches, cell, view, filled);
         let shines = shines(scene, &patches, filled);
-        let cells = cells(scene, grids[grids.len() - 1].cell, filled);
+        let cells = cells(scene, cell, filled);
         let source = VolumeSource { scene, patches, disks, shines, cells, view, parameters, filled, reach };
         let mut levels: Vec<Level> = Vec::new();
         for grid in &grids {

@@ -108,9 +108,7 @@ impl LpvParameters {
         let finer = |grid: &LightGrid| Some(grid.nested(camera));
         std::iter::successors(Some(coarsest), finer).take(self.cascades.clamp(1, 2)).collect()
     }
-}
 
-impl LpvParameters {
     /// The edge of a cell of the finest grid, metres.
     fn finest_cell(&self, bounds: Bounds) -> f32 {
         let grids = self.grids(bounds, bounds.centre());

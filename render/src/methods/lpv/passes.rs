@@ -125,6 +125,7 @@ pub fn uniforms(view: &View, reach: f32) -> Vec<Vec<u8>> {
 pub fn surfel_settings(cell: f32, bounds: Bounds) -> uniforms::Surfels {
     let far = FAR * bounds.diagonal().max(1e-6);
     let slope = 0.5 * SURFEL * cell / far;
+    // Nothing is to the side of such a camera.
     uniforms::Surfels { slope, near: far, reach: f32::MAX.sqrt(), slope_x: 0.0, slope_y: 0.0 }
 }
 

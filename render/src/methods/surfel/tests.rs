@@ -224,9 +224,14 @@ fn splats_on_the_processor_are_the_plain_version() {
             view: &view,
         };
         let right = (INDIRECT.plain)(&plain, &disks).expect("attributes");
+        let largest = right.data().iter().copied().fold(0.0, f32::max);
+        assert!(largest > 0.0, "{family:?}");
+        // A lamp may be faint.
+        let over_largest =
+            |image: &Planes| Planes::from_fn(3, height, width, |c, y, x| image.at(c, y, x) / largest);
         let tolerance = Tolerance { usual: 1e-5, worst: 1e-4 };
-        assert!(right.data().iter().any(|value| *value > 0.0), "{family:?}");
-        let made = splat::light(surface, &disks, &parameters, &view);
+        let made = over_largest(&splat::light(surface, &disks, &parameters, &view));
+        let right = over_largest(&right);
         assert_eq!(agree(&made, &right, tolerance), Ok(()), "{family:?}");
         prove_comparator(&right, tolerance);
     }

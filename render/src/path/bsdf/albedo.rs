@@ -1,5 +1,5 @@
-//! What a surface reflects of light that comes from everywhere alike, as a share: its hemispherical albedo
-//! (pbrt's `rho_hh`).
+//! What a surface reflects of light that comes from everywhere alike, as a share: to everywhere, its
+//! hemispherical albedo (pbrt's `rho_hh`), and to one viewer, its directional one (`rho_hd`).
 
 use super::{Fresnel, Ggx, Phong, mirrored};
 use crate::scene::{Gloss, Surface};
@@ -22,6 +22,65 @@ struct Shares {
     grazing: f32,
     /// Of Phong's lobe.
     phong: f32,
+}
+
+/// Cosines of viewers from 0 to 1 of which shares are known, as many as [`ROUGHNESSES`].
+pub const COSINES: usize = 17;
+
+/// The share of even light that microfacets over a base reflect to a viewer, of each colour, by the cosine to
+/// the normal.
+pub fn directional_albedo(diffuse: Vec3, specular: Vec3, roughness: f32, cosine: f32) -> Vec3 {
+    let fresnel = Fresnel::new(specular);
+    let [all, grazing] = directional_shares(roughness, cosine);
+    diffuse * fresnel.let_through(cosine) + fresnel.mean_of(all, grazing)
+}
+
+/// What microfacets reflect of even light that reflect all, and that reflect `(1 - cos)^5`: `[COSINES,
+/// ROUGHNESSES]`.
+pub fn directional_table() -> &'static [[f32; 2]] {
+    static TABLE: LazyLock<Vec<[f32; 2]>> = LazyLock::new(|| {
+        let part = |i: usize| i as f32 / (COSINES - 1) as f32;
+        let of = |i: usize| {
+            // Along the surface nothing is seen.
+            let cosine = part(i / ROUGHNESSES).max(0.02);
+            to_viewer(&Ggx::new(part(i % ROUGHNESSES)), viewer(cosine * cosine))
+        };
+        (0..COSINES * ROUGHNESSES).map(of).collect()
+    });
+    &TABLE
+}
+
+/// The table's values between its places.
+fn directional_shares(roughness: f32, cosine: f32) -> [f32; 2] {
+    let table = directional_table();
+    let [(low, right), (row, up)] = [roughness, cosine].map(|value| {
+        let at = value.clamp(0.0, 1.0) * (COSINES - 1) as f32;
+        let low = (at as usize).min(COSINES - 2);
+        (low, at - low as f32)
+    });
+    [0, 1].map(|share| {
+        let of_row = |row: usize| {
+            let at = row * ROUGHNESSES + low;
+            (1.0 - right) * table[at][share] + right * table[at + 1][share]
+        };
+        (1.0 - up) * of_row(row) + up * of_row(row + 1)
+    })
+}
+
+/// What microfacets reflect to a viewer of even light: those that reflect all, and those that reflect
+/// `(1 - cos)^5`.
+fn to_viewer(ggx: &Ggx, viewer: Vec3) -> [f32; 2] {
+    let mut sum = [0.0; 2];
+    for light in squares().map(|square| ggx.sample(viewer, square)) {
+        let density = ggx.density(viewer, light);
+        if light.z > 0.0 && density > 0.0 {
+            let weight = ggx.reflectance(viewer, light) * light.z / density;
+            let cosine = viewer.dot((viewer + light).normalize_or(Vec3::Z));
+            sum[0] += weight;
+            sum[1] += weight * (1.0 - cosine).clamp(0.0, 1.0).powi(5);
+        }
+    }
+    sum.map(|sum| sum / (DIRECTIONS * DIRECTIONS) as f32)
 }
 
 /// The share of even light that a surface reflects, of each colour.
@@ -58,15 +117,10 @@ fn of_roughness(roughness: f32) -> Shares {
     let (ggx, phong) = (Ggx::new(roughness), Phong::new(roughness));
     let mut sum = Shares::default();
     for viewer in (0..VIEWERS).map(|i| viewer((i as f32 + 0.5) / VIEWERS as f32)) {
+        let [microfacets, grazing] = to_viewer(&ggx, viewer);
+        sum.microfacets += microfacets;
+        sum.grazing += grazing;
         for square in squares() {
-            let light = ggx.sample(viewer, square);
-            let density = ggx.density(viewer, light);
-            if light.z > 0.0 && density > 0.0 {
-                let weight = ggx.reflectance(viewer, light) * light.z / density;
-                let cosine = viewer.dot((viewer + light).normalize_or(Vec3::Z));
-                sum.microfacets += weight;
-                sum.grazing += weight * (1.0 - cosine).clamp(0.0, 1.0).powi(5);
-            }
             let light = phong.sample(viewer, square);
             let along = mirrored(viewer).dot(light);
             if light.z > 0.0 && phong.density(along) > 0.0 {
@@ -74,8 +128,9 @@ fn of_roughness(roughness: f32) -> Shares {
             }
         }
     }
-    let count = (VIEWERS * DIRECTIONS * DIRECTIONS) as f32;
-    Shares { microfacets: sum.microfacets / count, grazing: sum.grazing / count, phong: sum.phong / count }
+    let count = VIEWERS as f32;
+    let phong = sum.phong / (count * (DIRECTIONS * DIRECTIONS) as f32);
+    Shares { microfacets: sum.microfacets / count, grazing: sum.grazing / count, phong }
 }
 
 /// A direction whose cosine has this square: of even ones a cosine-weighted share.

@@ -249,3 +249,21 @@ fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
     assert!(fitted(1.0) < -0.5, "{}", fitted(1.0));
     assert!(fitted(1.02) > -0.5, "an error that stays is noticed");
 }
+
+#[test]
+fn directional_albedo_is_what_surfaces_reflect_to_a_viewer() {
+    for (name, material) in materials().into_iter().filter(|(name, _)| name.starts_with("ggx")) {
+        let surface = material.surface(&[], [glam::Vec2::ZERO; 2], Vec4::ONE);
+        let mut worst_of_diffuse = 0.0f32;
+        for degrees in ANGLES {
+            let to_viewer = viewer(degrees);
+            let right = albedo(&flat(&material), to_viewer);
+            let (diffuse, specular) = (surface.diffuse, surface.specular);
+            let found = directional_albedo(diffuse, specular, surface.roughness, to_viewer.z);
+            let off = (found - right).abs().max_element();
+            assert!(off < 0.02, "{name}, {degrees} degrees: {found} is {right}");
+            worst_of_diffuse = worst_of_diffuse.max((diffuse - right).abs().max_element());
+        }
+        assert!(worst_of_diffuse > 0.04, "{name}: it is not the diffuse colour");
+    }
+}

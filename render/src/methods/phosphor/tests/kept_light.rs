@@ -59,6 +59,19 @@ fn surfels_and_cells_light_as_their_plain_versions_do() {
 }
 
 #[test]
+fn splats_on_the_processor_are_the_plain_version() {
+    let (scene, view, gbuffer) = lit_room(room());
+    let method = Disks::new(surfel::SurfelParameters::of(Quality::Low), surfel::indirect::KEPT_LIGHT);
+    let inputs = PlainInputs { gbuffer: &gbuffer, environment: None, scene: Some(&scene) };
+    let right = method.reference(&inputs, &view).expect("all attributes").remove(0);
+    let made =
+        method.on_processor(&inputs, &view).expect("such a version").expect("all attributes").remove(0);
+    let largest = right.iter().copied().fold(0.0, f32::max);
+    assert!(largest > 1e-5, "{largest}");
+    assert!(near(&made, &right, 1e-4 * largest));
+}
+
+#[test]
 fn patches_keep_light_of_what_moved_where_it_was() {
     let gpu = gpu();
     let method = by_surfels(&gpu);

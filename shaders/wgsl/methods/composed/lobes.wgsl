@@ -1,0 +1,105 @@
+// What lamps would send to the eye from each surface if nothing were in their way, of a surface of which each
+// colour is 1: by Phong's model, as the g-buffer's light is, and by microfacets over a base that gets what they
+// let through (render/src/path/bsdf.rs). Each by the diffuse and by the specular colour.
+
+#import shared/lights
+#import shared/surface
+#import shared/surface_valid
+#import shared/view
+#import uniforms/frame_view
+#import uniforms/light_record
+#constant LIGHTS = 1
+
+@group(0) @binding(0) var<uniform> view: FrameView;
+// [3, height, width]
+@group(0) @binding(4) var<storage, read> specular_planes: array<f32>;
+// [height, width]
+@group(0) @binding(5) var<storage, read> glossiness_plane: array<f32>;
+@group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
+@group(0) @binding(7) var<storage, read> pictures: array<u32>;
+// [4, 3, height, width]: diffuse and specular by Phong, diffuse and specular by microfacets
+@group(0) @binding(8) var<storage, read_write> lobes: array<f32>;
+
+const PI = 3.14159265;
+const NARROWEST_ALPHA = 0.02;
+// As render/src/path/bsdf/fresnel.rs has them.
+const FULL_GRAZING = 0.02;
+const MEAN_OF_FIFTH = 1.0 / 22.0;
+
+struct Fresnel {
+    normal: vec3f,
+    added: vec3f,
+    inverse_mean: vec3f,
+}
+
+fn fresnel_of(specular: vec3f) -> Fresnel {
+    let grazing = min(max(specular.r, max(specular.g, specular.b)) / FULL_GRAZING, 1.0);
+    let added = max(vec3f(grazing) - specular, vec3f(0.0));
+    return Fresnel(specular, added, 1.0 / max(1.0 - specular - added * MEAN_OF_FIFTH, vec3f(1e-6)));
+}
+
+fn reflected(fresnel: Fresnel, cosine: f32) -> vec3f {
+    return fresnel.normal + fresnel.added * pow(clamp(1.0 - cosine, 0.0, 1.0), 5.0);
+}
+
+// Smith's lambda, by the cosine.
+fn hidden(alpha: f32, cosine: f32) -> f32 {
+    let squared = cosine * cosine;
+    return 0.5 * (sqrt(1.0 + alpha * alpha * max(1.0 - squared, 0.0) / squared) - 1.0);
+}
+
+// Microfacets with the GGX distribution, per steradian, without Fresnel's share (Walter et al. 2007).
+fn facets(alpha: f32, viewer: f32, light: f32, halfway: f32) -> f32 {
+    let slope = max(1.0 - halfway * halfway, 0.0) / (alpha * alpha);
+    let all = slope + halfway * halfway;
+    let distribution = 1.0 / (PI * alpha * alpha * all * all);
+    let both = 1.0 / (1.0 + hidden(alpha, viewer) + hidden(alpha, light));
+    return distribution * both / (4.0 * viewer * light);
+}
+
+@compute @workgroup_size(TILE, TILE)
+fn sum_lobes(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= view.width || id.y >= view.height {
+        return;
+    }
+    let pixels = view.width * view.height;
+    let at = id.y * view.width + id.x;
+    var sums = array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    if surface_valid(at) {
+        let offset = from_view(surface_position(at, pixels), view);
+        let normal = from_view(surface_normal(at, pixels), view);
+        let to_camera = normalize(-offset);
+        let seen = dot(normal, to_camera);
+        let roughness = 1.0 - glossiness_plane[at];
+        let alpha = max(roughness * roughness, NARROWEST_ALPHA);
+        let exponent = max(2.0 / (alpha * alpha) - 2.0, 0.0);
+        let specular = vec3f(specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]);
+        let fresnel = fresnel_of(specular);
+        let mirrored = 2.0 * seen * normal - to_camera;
+        for (var i = 0u; i < LIGHTS; i++) {
+            let arrived = arrival(lights[i], view.eye.xyz + offset);
+            let cosine = dot(normal, arrived.direction);
+            if cosine <= 0.0 || all(arrived.irradiance == vec3f(0.0)) {
+                continue;
+            }
+            let received = arrived.irradiance * cosine;
+            sums[0] += received / PI;
+            let along = dot(mirrored, arrived.direction);
+            if along > 0.0 {
+                sums[1] += received * (exponent + 2.0) / (2.0 * PI) * pow(min(along, 1.0), exponent);
+            }
+            if seen > 0.0 {
+                let halfway = normalize(to_camera + arrived.direction);
+                let through = (1.0 - reflected(fresnel, seen)) * (1.0 - reflected(fresnel, cosine));
+                sums[2] += received / PI * through * fresnel.inverse_mean;
+                sums[3] += received * reflected(fresnel, dot(to_camera, halfway))
+                    * facets(alpha, seen, cosine, dot(normal, halfway));
+            }
+        }
+    }
+    for (var lobe = 0u; lobe < 4u; lobe++) {
+        for (var c = 0u; c < 3u; c++) {
+            lobes[at + (3u * lobe + c) * pixels] = sums[lobe][c];
+        }
+    }
+}
