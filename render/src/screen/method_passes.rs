@@ -168,7 +168,7 @@ impl MethodPasses {
 
     /// What they take by a key, in the order in which each runs first. All run once a frame, as they do in
     /// use, since a pass that ran twice in a row would find what others have not made anew. Passes of one key
-    /// that follow one another are timed together.
+    /// that follow one another are timed together. No further run begins once 10 s are over.
     ///
     /// # Errors
     /// If the device fails.

@@ -1,7 +1,8 @@
 //! Light of lamps as truth has it of microfacets. The g-buffer's is by Phong's model. Its share of what that
 //! model had without shadows is what of the lamps' light arrives; microfacets reflect as much of it.
 //!
-//! It is exact for one lamp. Of several, what is hidden of one is hidden of the others, too.
+//! Of several lamps, what is hidden of one is hidden of the others, too. Beside highlights of metal, where Phong's
+//! model has no light, nothing is taken to hide a lamp.
 
 use crate::bvh::TracedScene;
 use crate::gbuffer::OBJECT_IDS;
@@ -28,8 +29,8 @@ pub fn has(scene: &Scene) -> bool {
     !scene.lights.is_empty() && of_microfacets(scene).contains(&1)
 }
 
-/// For each object id 1 where it is of microfacets.
-fn of_microfacets(scene: &Scene) -> Vec<u32> {
+/// For each object id 1 where it is of microfacets; of meshes that share an id, the last one.
+pub fn of_microfacets(scene: &Scene) -> Vec<u32> {
     let mut objects = vec![0; scene.meshes.len().clamp(1, OBJECT_IDS as usize)];
     for (number, mesh) in scene.meshes.iter().enumerate() {
         let gloss = scene.materials[mesh.material.0 as usize].gloss;
@@ -107,8 +108,10 @@ pub fn change(
         let (diffuse, light) = (vector(&diffuse, at), vector(&light, at));
         let phong = diffuse * lobes.phong_diffuse + seen.specular * lobes.phong_specular;
         let reflected = diffuse * lobes.facets_diffuse + lobes.facets_specular;
-        let changed = (light / phong).min(Vec3::ONE) * reflected - light;
-        Vec3::select(phong.cmpgt(Vec3::splat(LEAST)), changed, Vec3::ZERO)
+        let least = Vec3::splat(LEAST);
+        let share = Vec3::select(phong.cmpgt(least), (light / phong.max(least)).min(Vec3::ONE), Vec3::ONE);
+        let is_known = phong.cmpgt(least) | light.cmple(least);
+        Vec3::select(is_known, share * reflected - light, Vec3::ZERO)
     };
     let changes = every_pixel(view.height, view.width, change);
     for channel in 0..3 {

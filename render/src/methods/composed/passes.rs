@@ -19,7 +19,8 @@ pub fn steps(parts: &[Part], to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuE
     let room = gpu::empty::<f32>(to.device, "composed.part", 3 * height * width)?;
     // How many uniform buffers a part has does not depend on the view.
     let (view, mut of_parts) = to.uniforms.split_at(1);
-    let mut steps = vec![begin_step(to, &view[0])?];
+    let reflectances = gpu::empty::<f32>(to.device, "composed.reflectances", 3 * height * width)?;
+    let mut steps = vec![begin_step(to, &view[0])?, reflectance_step(to, world, [&view[0], &reflectances])?];
     if lamps::has(world.scene()) {
         steps.extend(lamps::steps(to, world, &view[0])?.into_iter().map(|step| step.within("lamps")));
     }
@@ -35,7 +36,7 @@ pub fn steps(parts: &[Part], to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuE
             is_dimmed = true;
         }
         let made = part.made.steps(&Resources { uniforms, output: &room, ..*to })?;
-        let added = add_step(to, &view[0], (&room, part.shown))?;
+        let added = add_step(to, [&view[0], &room, &reflectances], part.shown)?;
         steps.extend(made.into_iter().chain([added]).map(|step| step.within(part.name)));
     }
     Ok(steps)
@@ -52,23 +53,36 @@ fn begin_step(to: &Resources<'_>, view: &wgpu::Buffer) -> Result<MethodStep, Gpu
     MethodStep::bind(to.device, &pass, to.whole(), &reads, &[to.output])
 }
 
-fn add_step(
+/// What surfaces reflect of light from everywhere, `[3, height, width]`.
+fn reflectance_step(
     to: &Resources<'_>,
-    view: &wgpu::Buffer,
-    (part, shown): (&wgpu::Buffer, Shown),
+    world: &World,
+    [view, reflectances]: [&wgpu::Buffer; 2],
 ) -> Result<MethodStep, GpuError> {
-    let reflected = ("REFLECTED", u32::from(shown == Shown::Reflected));
-    let pass = to.device.pass(Shader::at("methods/composed/add"), &[reflected])?;
-    let [position, normal, diffuse, specular, glossiness] = to.seen([
+    let objects = lamps::of_microfacets(world.scene()).into_iter().map(|is_one| [is_one as f32, 0.0]);
+    let table: Vec<[f32; 2]> = directional_table().iter().copied().chain(objects).collect();
+    let table = gpu::storage(to.device, "composed.directional", &table)?;
+    let pass = to.device.pass(Shader::at("methods/composed/reflectance"), &[])?;
+    let [position, normal, diffuse, specular, glossiness, ids] = to.seen([
         Attribute::Position,
         Attribute::Normal,
         Attribute::Diffuse,
         Attribute::Specular,
         Attribute::Glossiness,
+        Attribute::ObjectId,
     ]);
-    let table = gpu::storage(to.device, "composed.directional", directional_table())?;
-    let reads = [view, position, normal, part, diffuse, specular, glossiness, &table];
-    MethodStep::bind(to.device, &pass, to.whole(), &reads, &[to.output])
+    let reads = [view, position, normal, diffuse, specular, glossiness, ids, &table];
+    MethodStep::bind(to.device, &pass, to.whole(), &reads, &[reflectances])
+}
+
+fn add_step(
+    to: &Resources<'_>,
+    [view, part, reflectances]: [&wgpu::Buffer; 3],
+    shown: Shown,
+) -> Result<MethodStep, GpuError> {
+    let reflected = ("REFLECTED", u32::from(shown == Shown::Reflected));
+    let pass = to.device.pass(Shader::at("methods/composed/add"), &[reflected])?;
+    MethodStep::bind(to.device, &pass, to.whole(), &[view, part, reflectances], &[to.output])
 }
 
 fn dim_step(to: &Resources<'_>, world: &World, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {

@@ -21,7 +21,7 @@ pub fn image(parts: &[Part], inputs: &PlainInputs<'_>, view: &View) -> Result<Wr
         if lamps::has(scene.scene()) {
             lamps::change(&mut image, scene, inputs, view)?;
         }
-        let reflectance = reflectance::image(inputs.gbuffer)?;
+        let reflectance = reflectance::image(inputs.gbuffer, scene.scene())?;
         for part in surfaces {
             let shaded = part.made.reference(inputs, view)?.pop().unwrap_or_default();
             let reflects =

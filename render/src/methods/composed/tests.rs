@@ -41,6 +41,15 @@ fn by_its_floor(scene: &mut Scene) {
     scene.meshes.iter_mut().take(1).for_each(|floor| floor.material = MaterialId(1));
 }
 
+/// A metal, and a surface of Phong's model.
+fn of_other_materials(scene: &mut Scene) {
+    let first = scene.materials[0].clone();
+    scene.materials.push(Material { metallic: 1.0, roughness: 0.5, ..first.clone() });
+    scene.materials.push(Material { gloss: Gloss::Phong, roughness: 0.6, ..first });
+    let all = scene.meshes.iter_mut().zip([1, 2].into_iter().cycle());
+    all.for_each(|(mesh, material)| mesh.material = MaterialId(material));
+}
+
 #[test]
 fn the_passes_make_what_the_plain_version_does() {
     let method = ScreenMethod::new(&Gpu::new().expect("an adapter; lavapipe will do"), few());
@@ -50,6 +59,7 @@ fn the_passes_make_what_the_plain_version_does() {
         seen(foggy().remove(0), |_| ()),
         seen(foggy().remove(1), |_| ()),
         seen(foggy().remove(0), by_its_floor),
+        seen(corner(), of_other_materials),
     ];
     // Shadow maps end within a texel of where shadows do.
     let tolerance = Tolerance { usual: 1e-3, worst: 0.05 };

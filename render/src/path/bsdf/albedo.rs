@@ -25,7 +25,7 @@ struct Shares {
 }
 
 /// Cosines of viewers from 0 to 1 of which shares are known, as many as [`ROUGHNESSES`].
-pub const COSINES: usize = 17;
+const COSINES: usize = 17;
 
 /// The share of even light that microfacets over a base reflect to a viewer, of each colour, by the cosine to
 /// the normal.

@@ -1,51 +1,14 @@
 // Adds a part to the image: what is between surfaces and the eye, or what surfaces send; if it is REFLECTED,
-// what they reflect of light that comes from everywhere alike.
+// as much of it as they reflect.
 
-#import shared/surface
-#import shared/view
 #import uniforms/frame_view
 #constant REFLECTED = 1
 
 @group(0) @binding(0) var<uniform> view: FrameView;
 // [3, height, width] each
-@group(0) @binding(3) var<storage, read> part: array<f32>;
-@group(0) @binding(4) var<storage, read> diffuse_planes: array<f32>;
-@group(0) @binding(5) var<storage, read> specular_planes: array<f32>;
-// [height, width]
-@group(0) @binding(6) var<storage, read> glossiness_plane: array<f32>;
-// [PLACES, PLACES], cosines by roughnesses
-@group(0) @binding(7) var<storage, read> directional: array<vec2f>;
-// [3, height, width]
-@group(0) @binding(8) var<storage, read_write> image: array<f32>;
-
-// Specular colours from here on reflect all light at grazing angles: render/src/path/bsdf/fresnel.rs.
-const FULL_GRAZING = 0.02;
-// Rows and columns of the table.
-const PLACES = 17u;
-
-// What microfacets reflect to a viewer of light from everywhere that reflect all, and that reflect
-// (1 - cos)^5: render/src/path/bsdf/albedo.rs.
-fn specular_shares(roughness: f32, cosine: f32) -> vec2f {
-    let at = clamp(vec2f(roughness, cosine), vec2f(0.0), vec2f(1.0)) * f32(PLACES - 1u);
-    let low = min(vec2u(at), vec2u(PLACES - 2u));
-    let part = at - vec2f(low);
-    let first = low.y * PLACES + low.x;
-    let row = mix(directional[first], directional[first + 1u], part.x);
-    let next = mix(directional[first + PLACES], directional[first + PLACES + 1u], part.x);
-    return mix(row, next, part.y);
-}
-
-// What a surface reflects to the eye of light from everywhere.
-fn reflectance(at: u32, pixels: u32) -> vec3f {
-    let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
-    let specular = vec3f(specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]);
-    let cosine = clamp(-dot(surface_normal(at, pixels), normalize(surface_position(at, pixels))), 0.0, 1.0);
-    let grazing = min(max(specular.r, max(specular.g, specular.b)) / FULL_GRAZING, 1.0);
-    let added = max(vec3f(grazing) - specular, vec3f(0.0));
-    let fresnel = specular + added * pow(1.0 - cosine, 5.0);
-    let shares = specular_shares(1.0 - glossiness_plane[at], cosine);
-    return diffuse * (1.0 - fresnel) + specular * shares.x + added * shares.y;
-}
+@group(0) @binding(1) var<storage, read> part: array<f32>;
+@group(0) @binding(2) var<storage, read> reflectances: array<f32>;
+@group(0) @binding(3) var<storage, read_write> image: array<f32>;
 
 @compute @workgroup_size(TILE, TILE)
 fn add(@builtin(global_invocation_id) id: vec3u) {
@@ -53,13 +16,8 @@ fn add(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let pixels = view.width * view.height;
-    let at = id.y * view.width + id.x;
-    var share = vec3f(1.0);
-    if REFLECTED == 1u {
-        share = reflectance(at, pixels);
-    }
     for (var c = 0u; c < 3u; c++) {
-        // Where no surface is seen a part that is reflected is black.
-        image[at + c * pixels] += part[at + c * pixels] * share[c];
+        let at = id.y * view.width + id.x + c * pixels;
+        image[at] += part[at] * select(1.0, reflectances[at], REFLECTED == 1u);
     }
 }

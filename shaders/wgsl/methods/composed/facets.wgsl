@@ -34,10 +34,12 @@ fn reflect_by_facets(@builtin(global_invocation_id) id: vec3u) {
         let here = at + c * pixels;
         let diffuse = diffuse_planes[here];
         let phong = diffuse * lobes[here] + specular_planes[here] * lobes[here + 3u * pixels];
-        if phong > LEAST {
-            let share = min(light_planes[here] / phong, 1.0);
+        let light = light_planes[here];
+        // Beside a highlight of metal Phong's model has nothing to compare with: nothing hides the lamp then.
+        if phong > LEAST || light <= LEAST {
+            let share = select(1.0, min(light / max(phong, LEAST), 1.0), phong > LEAST);
             let reflected = diffuse * lobes[here + 6u * pixels] + lobes[here + 9u * pixels];
-            image[here] += share * reflected - light_planes[here];
+            image[here] += share * reflected - light;
         }
     }
 }

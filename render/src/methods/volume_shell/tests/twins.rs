@@ -34,7 +34,7 @@ fn they_do_so_without_each_improvement() {
 fn long_walks_are_walked_to_their_end() {
     let gpu = gpu();
     let long = VolumeShellParameters {
-        surfels: surfels::SurfelDensity { scale: 0.04, near: 0.25 },
+        surfels: surfels::SurfelDensity { scale: 0.02, near: 0.25 },
         threshold: 0.01,
         levels: 2,
         ..coarse()
