@@ -189,8 +189,8 @@ impl ScreenMethod {
         Ok(Shaded { image, milliseconds: timing.milliseconds, clock, device })
     }
 
-    /// What its passes take on a frame, as [`MethodPasses::times`] has it, by the names of shaders, after that
-    /// of the part where the method has several: `sky/bounced-z.sky`.
+    /// What its passes take on a frame, as [`MethodPasses::times`] has it, by the names of shaders, after
+    /// that of the part where the method has several: `sky/bounced-z.sky`.
     ///
     /// # Errors
     /// If the frame lacks something or the GPU fails.

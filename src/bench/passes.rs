@@ -1,4 +1,5 @@
-//! `deepshade bench passes`: milliseconds of every pass of a method, and of every part of one that has several.
+//! `deepshade bench passes`: milliseconds of every pass of a method, and of every part of one that has
+//! several.
 
 use crate::arguments::Size;
 use crate::complete::{Additions, Completed, Wants, complete};

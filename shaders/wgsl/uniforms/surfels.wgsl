@@ -1,6 +1,6 @@
 /// What surfels are made for.
 struct Surfels {
-    /// Radius of a surfel over its distance from the camera's plane, more where it is outside of what is seen.
+    /// Radius of a surfel over its distance, to which counts how far it is outside of what is seen.
     slope: f32,
     /// Distance of the plane from which distances are counted, metres.
     near: f32,

@@ -1,8 +1,8 @@
 //! Light of lamps as truth has it of microfacets. The g-buffer's is by Phong's model. Its share of what that
 //! model had without shadows is what of the lamps' light arrives; microfacets reflect as much of it.
 //!
-//! Of several lamps, what is hidden of one is hidden of the others, too. Beside highlights of metal, where Phong's
-//! model has no light, nothing is taken to hide a lamp.
+//! Of several lamps, what is hidden of one is hidden of the others, too. Beside highlights of metal, where
+//! Phong's model has no light, nothing is taken to hide a lamp.
 
 use crate::bvh::TracedScene;
 use crate::gbuffer::OBJECT_IDS;

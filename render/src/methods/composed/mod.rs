@@ -71,8 +71,8 @@ pub struct ComposedParameters {
 }
 
 impl ComposedParameters {
-    /// All parts of a quality, but for the grid, which is that of a lower one: its light is smooth, and a finer
-    /// one would take most of the time and change nothing that is seen.
+    /// All parts of a quality, but for the grid, which is that of a lower one: its light is smooth, and a
+    /// finer one would take most of the time and change nothing that is seen.
     pub fn of(quality: Quality) -> Self {
         let of_volume = match quality {
             Quality::Low | Quality::Medium => Quality::Low,

@@ -1,6 +1,6 @@
-// What lamps would send to the eye from each surface if nothing were in their way, of a surface of which each
-// colour is 1: by Phong's model, as the g-buffer's light is, and by microfacets over a base that gets what they
-// let through (render/src/path/bsdf.rs). Each by the diffuse and by the specular colour.
+// What lamps would send to the eye from each surface if nothing were in their way: by Phong's model, as the
+// g-buffer's light is, of colours of 1, and by microfacets over a base that gets what they let through
+// (render/src/path/bsdf.rs). Each by the base and by the specular lobe.
 
 #import shared/lights
 #import shared/surface
