@@ -73,7 +73,9 @@ fn sum_lobes(@builtin(global_invocation_id) id: vec3u) {
         let roughness = 1.0 - glossiness_plane[at];
         let alpha = max(roughness * roughness, NARROWEST_ALPHA);
         let exponent = max(2.0 / (alpha * alpha) - 2.0, 0.0);
-        let specular = vec3f(specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]);
+        let specular = vec3f(
+            specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]
+        );
         let fresnel = fresnel_of(specular);
         let mirrored = 2.0 * seen * normal - to_camera;
         for (var i = 0u; i < LIGHTS; i++) {

@@ -35,7 +35,9 @@ fn specular_shares(roughness: f32, cosine: f32) -> vec2f {
 // What a surface reflects to the eye of light from everywhere.
 fn reflectance(at: u32, pixels: u32) -> vec3f {
     let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
-    let specular = vec3f(specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]);
+    let specular = vec3f(
+        specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]
+    );
     let object = PLACES * PLACES + u32(object_plane[at]);
     if directional[min(object, arrayLength(&directional) - 1u)].x == 0.0 {
         return diffuse + specular;
