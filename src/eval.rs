@@ -21,6 +21,7 @@ use crate::learned;
 use crate::location::Location;
 use crate::methods::{self, LEARNED, Runs, TRUTH};
 use anyhow::{Result, bail, ensure};
+use curve::Curves;
 use deepshade_infer::Model;
 use deepshade_render::method::Repeats;
 use deepshade_render::methods::Quality;
@@ -49,7 +50,8 @@ use std::path::{Path, PathBuf};
     or several, `testset-NAME`.\n\n\
     Figures in the JSON file: METRIC_METHOD (ssim_learned, ssim_gtao, ssim_gtao_low, ...), of one of several \
     test sets METRIC_METHOD_NAME; where NAME is also a quality's, as in testset-medium, what has qualities \
-    has its own before that: ssim_gtao_high_medium. With --sequence flicker_METHOD, and truth's own change \
+    has its own before that: ssim_gtao_high_medium. With --sequence ssim_METHOD, flicker_METHOD, \
+    ghosts_METHOD, of images that are mixed with frames before METHOD_mixed, and truth's own change \
     flicker_truth. paired_METRIC is how far the network is above the best, \
     by SSIM, of the methods that take at least as long on the same device, or above the slowest where none \
     does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low \
@@ -95,12 +97,16 @@ pub struct Args {
     /// maybe none of these.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
-    /// Measures how much methods flicker, in place of their error: from each of the --frames, by default 12,
-    /// the camera goes aside in a sequence of so many frames, and the change of what is seen of surfaces is
-    /// held against truth's own. Truth of all of them is rendered, which takes seconds to minutes a frame.
+    /// Measures how steady methods are, in place of their error: from each of the --frames, by default 12,
+    /// the camera goes aside and things move in a sequence of so many frames. The change of what is seen of
+    /// surfaces is held against truth's own, and errors behind what moves are counted. Truth of all of them
+    /// is rendered, which takes seconds a frame.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=64))]
     #[arg(conflicts_with_all = ["all", "curve", "results"])]
     sequence: Option<u32>,
+    /// With --sequence also measures each method mixed with the frames before, as `render --temporal` does.
+    #[arg(long, requires = "sequence")]
+    temporal: bool,
     /// Draws error against time, a line a method through its qualities, into this SVG file: relative mean
     /// squared error, and 1 - SSIM.
     #[arg(long, value_parser = crate::arguments::svg_file)]
@@ -223,7 +229,8 @@ pub fn run(args: &Args) -> Result<()> {
         results::add(path, &entry, &gpu)?;
     }
     if let Some(path) = &args.curve {
-        curve::write(path, effect, &outcome.rivals, evaluation)?;
+        let network = inputs.network.as_ref().map_or(LEARNED, |(network, _)| network);
+        curve::write(path, effect, Curves { network, rivals: &outcome.rivals, evaluation })?;
     }
     tables::print(effect, &outcome)
 }

@@ -68,11 +68,14 @@ impl Method for InPasses {
 }
 
 /// Effects that trained networks compute.
-const OF_NETWORKS: [Effect; 10] = [
+const OF_NETWORKS: [Effect; 13] = [
     Effect::Ao,
     Effect::Do,
     Effect::Gi,
     Effect::Ibl,
+    Effect::OccludedIbl,
+    Effect::FogDirect,
+    Effect::PhosphorGi,
     Effect::Sss,
     Effect::Dof,
     Effect::MotionBlur,

@@ -25,7 +25,7 @@ SHIPPED = (
     "dof",
     "gi",
     "gi-paper",
-    "ibl",
+    "ibl-paper",
     "motion-blur",
     "multi",
     "real",

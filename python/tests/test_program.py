@@ -28,7 +28,7 @@ READ = {
     "do-paper": SKY,
     "dof": LIGHT + "lens = [1.0, 12.0]",
     "gi-paper": LIGHT,
-    "ibl": "[vary]\nmaterials = true\nenvironment = { sky = 1 }",
+    "ibl-paper": "[vary]\nmaterials = true\nenvironment = { sky = 1 }",
     "motion-blur": LIGHT + "motion = [1.0, 24.0]",
     "multi": LIGHT + "lens = [1.0, 12.0]",
     "sss": LIGHT + "mean_free_path = [0.001, 0.02]",

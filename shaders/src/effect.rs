@@ -27,6 +27,8 @@ pub enum Effect {
     /// Image-based lighting: radiance reflected from an environment map that nothing blocks, by the Phong
     /// model, RGB.
     Ibl,
+    /// The same from the directions that nothing blocks within a radius, RGB.
+    OccludedIbl,
     /// Subsurface scattering in screen space: direct light gathered from the image's other pixels by
     /// Christensen's normalised diffusion, RGB.
     Sss,
@@ -62,12 +64,13 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Ao,
         Self::Do,
         Self::Gi,
         Self::Glossy,
         Self::Ibl,
+        Self::OccludedIbl,
         Self::Sss,
         Self::Subsurface,
         Self::Dof,

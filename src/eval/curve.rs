@@ -1,16 +1,15 @@
 //! Error against time: a line a method through its qualities, all axes logarithmic, a panel for each way to
-//! measure error. All that is drawn ran on one device.
+//! measure error. Where methods ran on several devices, their names say on which.
 
 use super::rivals::Rival;
 use super::score::Evaluation;
 use crate::figures::write_atomically;
 use crate::methods::LEARNED;
-use crate::statistics::MeanInterval;
 use anyhow::{Result, anyhow};
 use deepshade_shaders::Effect;
 use plotters::coord::Shift;
 use plotters::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 
@@ -31,7 +30,7 @@ const MEASURES: [Measure; 2] = [
 ];
 
 /// The points of a method: milliseconds and error, the fastest first.
-type Line = (&'static str, Vec<(f64, f64)>);
+type Line = (String, Vec<(f64, f64)>);
 
 /// What a panel shows.
 struct Panel {
@@ -43,51 +42,87 @@ struct Panel {
     errors: Range<f64>,
 }
 
-/// Draws the curves of what ran on one device into an SVG file, and says which methods ran on others.
+/// What is drawn of one evaluation.
+#[derive(Clone, Copy)]
+pub struct Curves<'a> {
+    /// What the network is called.
+    pub network: &'a str,
+    /// Who was evaluated.
+    pub rivals: &'a [Rival],
+    /// Their scores.
+    pub evaluation: &'a Evaluation,
+}
+
+/// Writes the curves of an evaluation into an SVG file.
 ///
 /// # Errors
 /// If nothing was measured or the file cannot be written.
-pub fn write(path: &Path, effect: Effect, rivals: &[Rival], evaluation: &Evaluation) -> Result<()> {
-    let estimates = &evaluation.estimates();
-    let device = device(&evaluation.devices);
-    let (drawn, others): (Vec<&Rival>, Vec<&Rival>) =
-        rivals.iter().partition(|rival| evaluation.devices.get(&rival.name).map(String::as_str) == device);
-    if !others.is_empty() {
-        let mut names: Vec<&str> = others.iter().map(|rival| rival.method_name).collect();
-        names.dedup();
-        note!("{}: not drawn, since they ran on another device: {}", path.display(), names.join(", "));
-    }
+pub fn write(path: &Path, effect: Effect, curves: Curves<'_>) -> Result<()> {
+    let svg = svg(&format!("{effect}: error against time"), effect, &[curves]);
+    write_atomically(path, svg.map_err(|error| anyhow!("{}: {error}", path.display()))?.as_bytes())
+}
+
+/// The curves of evaluations on the same frames as an SVG file. What several of them have, the first says.
+///
+/// # Errors
+/// If nothing was measured that logarithmic axes can show.
+pub fn svg(title: &str, effect: Effect, all: &[Curves<'_>]) -> Result<String> {
+    let trivial = effect.definition().doing_nothing.name();
     let panel = |measure: &Measure| {
-        let trivial = effect.definition().doing_nothing.name();
-        let nothing = estimates.get(format!("{}_{trivial}", measure.figure).as_str());
-        let nothing = nothing.map(|estimate| (trivial, (measure.error)(estimate.mean)));
-        Panel::new(measure.name, lines(measure, &drawn, estimates), nothing)
-            .ok_or_else(|| anyhow!("{}: no times or errors above 0 to draw", path.display()))
+        let nothing = all.iter().find_map(|curves| curves.error(measure, trivial));
+        Panel::new(measure.name, lines(measure, all), nothing.map(|error| (trivial, error)))
+            .ok_or_else(|| anyhow!("no times or errors above 0 to draw"))
     };
     let panels = MEASURES.iter().map(panel).collect::<Result<Vec<_>>>()?;
     let mut svg = String::new();
-    let title = format!("{effect}: error against time, {}", device.unwrap_or("unknown device"));
-    draw(&mut svg, &title, &panels).map_err(|error| anyhow!("{}: {error}", path.display()))?;
-    write_atomically(path, svg.as_bytes())
+    draw(&mut svg, title, &panels).map_err(|error| anyhow!("{error}"))?;
+    Ok(svg)
 }
 
-/// The device that curves are of, by what each method ran on: the network's, without one that of most
-/// methods.
-fn device(devices: &BTreeMap<String, String>) -> Option<&str> {
-    let count = |device: &String| devices.values().filter(|other| *other == device).count();
-    let most = || devices.values().max_by_key(|device| count(device));
-    devices.get(LEARNED).or_else(most).map(String::as_str)
+impl Curves<'_> {
+    fn error(&self, measure: &Measure, name: &str) -> Option<f64> {
+        self.evaluation.mean(&format!("{}_{name}", measure.figure)).map(measure.error)
+    }
+
+    /// A method at a quality, where it was measured.
+    fn point<'a>(&'a self, measure: &Measure, rival: &'a Rival) -> Option<Point<'a>> {
+        let milliseconds = self.evaluation.mean(&format!("ms_{}", rival.name))?;
+        let error = self.error(measure, &rival.name)?;
+        let is_network = rival.method_name == LEARNED;
+        let [method, name] = if is_network { [self.network; 2] } else { [rival.method_name, &rival.name] };
+        let device = self.evaluation.devices.get(&rival.name).map_or("", String::as_str);
+        Some(Point { method, name, device, at: (milliseconds, error) })
+    }
 }
 
-fn lines(measure: &Measure, rivals: &[&Rival], estimates: &BTreeMap<&str, MeanInterval>) -> Vec<Line> {
+/// A method at a quality.
+struct Point<'a> {
+    /// Whose line it is on.
+    method: &'a str,
+    /// The method with its quality.
+    name: &'a str,
+    device: &'a str,
+    /// Milliseconds and error.
+    at: (f64, f64),
+}
+
+/// The lines of all methods.
+fn lines(measure: &Measure, all: &[Curves<'_>]) -> Vec<Line> {
+    let mut points: Vec<Point<'_>> = Vec::new();
+    let measured =
+        all.iter().flat_map(|curves| curves.rivals.iter().filter_map(|rival| curves.point(measure, rival)));
+    for point in measured {
+        if points.iter().all(|known| known.name != point.name) {
+            points.push(point);
+        }
+    }
+    let devices: BTreeSet<&str> = points.iter().map(|point| point.device).collect();
     let mut lines: Vec<Line> = Vec::new();
-    for rival in rivals {
-        let figure = |name: &str| estimates.get(format!("{name}_{}", rival.name).as_str()).map(|e| e.mean);
-        let Some((time, value)) = figure("ms").zip(figure(measure.figure)) else { continue };
-        let point = (time, (measure.error)(value));
-        match lines.iter_mut().find(|(name, _)| *name == rival.method_name) {
-            Some((_, points)) => points.push(point),
-            None => lines.push((rival.method_name, vec![point])),
+    for Point { method, device, at, .. } in points {
+        let name = if devices.len() > 1 { format!("{method} ({device})") } else { method.to_owned() };
+        match lines.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, points)) => points.push(at),
+            None => lines.push((name, vec![at])),
         }
     }
     lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
@@ -125,7 +160,7 @@ impl Panel {
             let colour = Palette99::pick(index).to_rgba();
             chart
                 .draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(2)).point_size(4))?
-                .label(*name)
+                .label(name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
         }
         if let Some((name, error)) = self.nothing {
@@ -170,7 +205,10 @@ mod tests {
     use super::*;
 
     fn panel(name: &'static str, scale: f64) -> Option<Panel> {
-        let lines = vec![("fast", vec![(0.1, 0.5 * scale), (1.0, 0.2)]), ("slow", vec![(5.0, 0.1)])];
+        let lines = vec![
+            ("fast".to_owned(), vec![(0.1, 0.5 * scale), (1.0, 0.2)]),
+            ("slow".to_owned(), vec![(5.0, 0.1)]),
+        ];
         Panel::new(name, lines, Some(("white", 0.9)))
     }
 
@@ -188,18 +226,6 @@ mod tests {
         }
         assert!(svg.matches("<polyline").count() >= 6, "{svg}");
         assert_eq!(svg.matches("<circle").count(), 6, "a dot a point");
-    }
-
-    #[test]
-    fn curves_are_of_the_network_s_device_or_of_most_methods() {
-        let devices = |of: &[(&str, &str)]| -> BTreeMap<String, String> {
-            of.iter().map(|(name, device)| ((*name).to_owned(), (*device).to_owned())).collect()
-        };
-        let analytic = [("gtao", "a processor"), ("hbao", "a card"), ("surfel", "a card")];
-        assert_eq!(device(&devices(&analytic)), Some("a card"));
-        let with_network = [&analytic[..], &[(LEARNED, "a processor")]].concat();
-        assert_eq!(device(&devices(&with_network)), Some("a processor"));
-        assert_eq!(device(&BTreeMap::new()), None);
     }
 
     #[test]

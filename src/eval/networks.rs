@@ -25,6 +25,8 @@ const MODELS: &str = "models";
 pub struct Row {
     /// The name of its folder.
     pub name: String,
+    /// What it computes.
+    pub effect: Effect,
     /// Number of weights.
     pub weights: usize,
     /// What it was scored against.
@@ -65,6 +67,7 @@ pub fn run(args: &Args) -> Result<()> {
             published: published(&name),
             trivial: effect.definition().doing_nothing.name(),
             name,
+            effect,
             weights,
             target,
             outcome,

@@ -1,13 +1,17 @@
-//! The networks as a page: the table, and of each network the frames on which it is best, in the middle and
-//! worst.
+//! The networks as a page: the table, error against time of each effect, what networks are ahead of their
+//! rivals by, and of each network the frames on which it is best, in the middle and worst.
 
+use super::curve::{self, Curves};
 use super::networks::Row;
 use super::score::FrameImages;
+use super::sets::ARTISTS;
+use super::tables::differences;
 use crate::arguments;
 use crate::figures::write_atomically;
 use crate::report::images::{shown, write_png};
 use anyhow::Result;
 use askama::Template;
+use deepshade_shaders::Effect;
 use std::path::Path;
 
 /// Name of the page.
@@ -19,7 +23,15 @@ struct Page<'a> {
     head: &'a [String],
     lines: &'a [Vec<String>],
     notes: Vec<String>,
+    charts: Vec<Chart>,
+    pairs: Vec<Vec<String>>,
     networks: Vec<Network<'a>>,
+}
+
+/// Error against time of an effect.
+struct Chart {
+    title: String,
+    svg: String,
 }
 
 struct Network<'a> {
@@ -50,8 +62,54 @@ pub fn write(folder: &Path, lines: &[Vec<String>], rows: &[Row]) -> Result<()> {
     }
     let notes =
         rows.iter().filter_map(|row| Some(format!("* {}: {}.", row.name, row.published?.incomparable?)));
-    let page = Page { head: &lines[0], lines: &lines[1..], notes: notes.collect(), networks };
+    let (charts, pairs) = (charts(rows)?, pairs(rows));
+    let page = Page { head: &lines[0], lines: &lines[1..], notes: notes.collect(), charts, pairs, networks };
     write_atomically(&folder.join(PAGE), page.render()?.as_bytes())
+}
+
+/// A chart of each effect with all its networks and their rivals, and one of its artists' scenes.
+fn charts(rows: &[Row]) -> Result<Vec<Chart>> {
+    let mut effects: Vec<Effect> = rows.iter().map(|row| row.effect).collect();
+    effects.dedup();
+    let mut charts = Vec::new();
+    for effect in effects {
+        let of_effect = || rows.iter().filter(|row| row.effect == effect);
+        let all = of_effect().map(|row| Some((row, &row.outcome.evaluation)));
+        let artists = of_effect().map(|row| {
+            let set = row.outcome.sets.iter().find(|set| set.name == ARTISTS)?;
+            (row.outcome.sets.len() > 1).then_some((row, &set.evaluation))
+        });
+        let kinds = [("unseen families", all.collect::<Vec<_>>()), ("artists' scenes", artists.collect())];
+        for (of, evaluations) in kinds {
+            let curves: Vec<Curves<'_>> = evaluations
+                .into_iter()
+                .flatten()
+                .map(|(row, evaluation)| Curves {
+                    network: &row.name,
+                    rivals: &row.outcome.rivals,
+                    evaluation,
+                })
+                .collect();
+            if !curves.is_empty() {
+                let title = format!("{effect}, {of}");
+                charts.push(Chart { svg: curve::svg(&title, effect, &curves)?, title });
+            }
+        }
+    }
+    Ok(charts)
+}
+
+/// A head, and a row a network and test set: what it is ahead of its rival by.
+fn pairs(rows: &[Row]) -> Vec<Vec<String>> {
+    let mut pairs: Vec<Vec<String>> = Vec::new();
+    for row in rows {
+        let named = |first: &str, line: Vec<String>| [vec![first.to_owned()], line].concat();
+        let mut lines = differences(&row.outcome.pairs()).into_iter();
+        let head = lines.next().map(|head| named("network", head));
+        pairs.extend(head.filter(|_| pairs.is_empty()));
+        pairs.extend(lines.map(|line| named(&row.name, line)));
+    }
+    pairs
 }
 
 /// A network's best, middle and worst frame.

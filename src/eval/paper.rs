@@ -22,7 +22,7 @@ const TABLE: [Published; 10] = [
     row("sss", 0.905, 27.0),
     row("aa", 0.982, 1.8),
     row("multi", 0.933, 26.0),
-    row("ibl", 0.973, 21.0),
+    row("ibl-paper", 0.973, 21.0),
     row("do-paper", 0.589, 26.0),
     Published {
         model: "real",

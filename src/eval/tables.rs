@@ -32,7 +32,7 @@ pub fn print(effect: Effect, outcome: &EvaluationOutcome) -> Result<()> {
             "\n`{LEARNED}` less the best by SSIM of the methods that take as long on the same device, or the \
              slowest where none does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
         )?;
-        say!("{}", differences(&pairs))?;
+        say!("{}", table::aligned(&differences(&pairs)))?;
     }
     match outcome.below_trivial(effect) {
         Some(scenes) if !scenes.is_empty() => {
@@ -81,8 +81,8 @@ pub(super) fn tuned(rival: &Rival) -> String {
     [quality, &rival.changes.to_string()].join(" ").trim().to_owned()
 }
 
-/// One row a pair.
-fn differences(pairs: &[NetworkComparison<'_>]) -> String {
+/// A head, and one row a pair.
+pub(super) fn differences(pairs: &[NetworkComparison<'_>]) -> Vec<Vec<String>> {
     let head = ["test set", "against", "its ms", "ms", "SSIM", "PSNR (dB)", "FLIP", "relMSE"];
     let row = |versus: &NetworkComparison<'_>| {
         let pair = &versus.pair;
@@ -99,7 +99,5 @@ fn differences(pairs: &[NetworkComparison<'_>]) -> String {
         let numbers = [text(ssim, 3), text(psnr, 2), text(flip, 3), text(relmse, 4)];
         [versus.title.to_owned(), against, rival, own].into_iter().chain(numbers).collect()
     };
-    let rows: Vec<Vec<String>> =
-        [head.map(str::to_owned).to_vec()].into_iter().chain(pairs.iter().map(row)).collect();
-    table::aligned(&rows)
+    [head.map(str::to_owned).to_vec()].into_iter().chain(pairs.iter().map(row)).collect()
 }

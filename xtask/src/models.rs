@@ -101,7 +101,7 @@ const fn of_filter(
 /// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 40 of
-/// `ibl`. It makes a pair with 64 samples in five seconds. So data take half an hour, training about as long,
+/// `ibl-paper`. It makes a pair with 64 samples in five seconds. So data take half an hour, training about as long,
 /// and the runs of half and a quarter of the steps three quarters of that.
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
@@ -169,7 +169,15 @@ const BUDGETS: [Budget; 14] = [
         ..CORRECTED
     },
     Budget { name: "ao-paper", streamed: on(&AO, ["paper", "24", "gtao:high"]), ..CORRECTED },
-    Budget { name: "ibl", steps: 64_000, batch: 4, crop: 128, rate: "0.005", share: None, streamed: None },
+    Budget {
+        name: "ibl-paper",
+        steps: 64_000,
+        batch: 4,
+        crop: 128,
+        rate: "0.005",
+        share: None,
+        streamed: None,
+    },
 ];
 
 /// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,

@@ -10,6 +10,7 @@ use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_shaders::{GBuffer, Planes};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -173,6 +174,19 @@ impl<'a> StagedScene<'a> {
         let displacements =
             motion::displacements(&posed, camera, self.size(variation.seed), range, variation.seed);
         Ok(Arc::new(scene.with_motion(displacements)?))
+    }
+
+    /// How far every vertex of every mesh of a shown scene goes from one frame of a sequence to the next: as
+    /// it does while the shutter is open; where it stands still then, for three of four things a way that is
+    /// drawn, of so many pixels.
+    pub fn ways(
+        &self,
+        shown: &TracedScene,
+        camera: &Camera,
+        pixels: [f32; 2],
+        seed: u32,
+    ) -> Vec<Vec<Vec3>> {
+        motion::displacements(shown, camera, self.size(seed), pixels, seed)
     }
 
     /// The scene in the middle of an image's exposure: as it is, or at a random time of its animation.

@@ -46,6 +46,7 @@ impl UNet {
             Effect::Ibl => (300, 1, 1, 3),
             Effect::Real => (16, 5, 5, 1),
             Effect::Glossy
+            | Effect::OccludedIbl
             | Effect::Subsurface
             | Effect::FogDirect
             | Effect::FogIndirect

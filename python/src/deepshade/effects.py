@@ -33,6 +33,7 @@ EFFECTS: dict[str, Effect] = {
         Effect("gi", brightness=8.0),
         Effect("glossy"),
         Effect("ibl"),
+        Effect("occluded-ibl"),
         Effect("sss", filters_light=True),
         Effect("subsurface"),
         Effect("dof", background=None, filters_light=True),
@@ -45,6 +46,6 @@ EFFECTS: dict[str, Effect] = {
         Effect("phosphor"),
         Effect("phosphor-gi"),
         Effect("path", background=None),
-        Effect("real", background=None),
+        Effect("real", background=None, most=1.0),
     )
 }

@@ -8,7 +8,7 @@ use super::shafts::{Integration, Shafts};
 use super::subsurface::FromScreen;
 use super::{
     Quality, aov, composed, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar, gtao,
-    hbao, min_max, occluded_gather, phosphor, prefiltered, ray_march, reconstruction, ring_gather,
+    hbao, min_max, occluded_gather, occluded_prefiltered, phosphor, prefiltered, ray_march, reconstruction, ring_gather,
     screen_truth, separable, ssdo, ssgi, surfel, volume_shell,
 };
 use crate::method::Method;
@@ -97,6 +97,7 @@ fn entries() -> Vec<Entry> {
         screen(volume_shell::VolumeShellParameters::of, identity),
         screen(lpv::LpvParameters::of, InMedium::indirect),
         screen(prefiltered::PrefilteredParameters::of, identity),
+        screen(occluded_prefiltered::OccludedPrefilteredParameters::of, identity),
         screen(separable::SeparableParameters::of, identity),
         screen(gather::GatherParameters::of, identity),
         screen(separable::SeparableParameters::of, FromScreen),

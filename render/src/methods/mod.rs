@@ -26,6 +26,7 @@ pub mod lpv;
 pub mod march;
 pub mod min_max;
 pub mod occluded_gather;
+pub mod occluded_prefiltered;
 pub mod phosphor;
 mod picture;
 pub mod prefiltered;

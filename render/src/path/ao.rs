@@ -73,7 +73,7 @@ pub(super) fn morton(number: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::path::proving::{MeanWithError, floor, prove_slope, quad, sphere, traced};
+    use crate::path::proving::{MeanWithError, WALL_HEIGHT, floor, prove_slope, quad, sphere, traced, wall};
     use crate::path::{AtSurface, Integrator, Sampling, render};
     use crate::scene::{Camera, Material, Mesh};
     use deepshade_shaders::Effect;
@@ -99,17 +99,9 @@ mod tests {
         quad([(-9., 9.), (9., 9.), (9., -9.), (-9., -9.)].map(|(x, z)| Vec3::new(x, height, z)))
     }
 
-    /// Height of the wall at x = 0.
-    const HEIGHT: f32 = 2.0;
-
-    /// As good as infinitely long.
-    fn wall() -> Mesh {
-        quad([(-900., 0.), (900., 0.), (900., HEIGHT), (-900., HEIGHT)].map(|(z, y)| Vec3::new(0.0, y, z)))
-    }
-
     /// Derived exactly for an infinitely long wall at distance d: it blocks (1 - d / sqrt(d^2 + H^2)) / 2.
     fn beside_wall(d: f32) -> f32 {
-        1.0 - 0.5 * (1.0 - d / d.hypot(HEIGHT))
+        1.0 - 0.5 * (1.0 - d / d.hypot(WALL_HEIGHT))
     }
 
     #[test]
@@ -125,7 +117,7 @@ mod tests {
             let value = at_floor(&scene, d, 1e4);
             value.proves("ao/wall", Vec3::splat(beside_wall(d)));
             // Without the cosine: the share of the hemisphere's solid angle.
-            value.refutes("ao/wall", Vec3::splat(1.0 - (HEIGHT / d).atan() / PI));
+            value.refutes("ao/wall", Vec3::splat(1.0 - (WALL_HEIGHT / d).atan() / PI));
             value.refutes("ao/wall", Vec3::splat(1.02 * beside_wall(d)));
         }
     }

@@ -28,7 +28,7 @@ mod tests;
 pub use albedo::{directional_albedo, directional_table, hemispherical_albedo};
 pub use fresnel::Fresnel;
 pub use ggx::Ggx;
-pub use phong::Phong;
+pub use phong::{Phong, phong_alpha};
 
 use crate::intersection::SurfacePoint;
 use crate::sampler::{Stream, cosine_hemisphere, frame};

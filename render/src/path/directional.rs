@@ -91,16 +91,10 @@ impl SurfaceEffect for Directional<'_> {
 mod tests {
     use super::*;
     use crate::path::at_surface::AtSurface;
-    use crate::path::proving::{MeanWithError, floor, integral, quad, spotted, traced, with_environment};
+    use crate::path::proving::{MeanWithError, floor, integral, spotted, traced, wall, with_environment};
     use crate::path::{Ao, Integrator};
-    use crate::scene::{Camera, Material, Mesh};
+    use crate::scene::{Camera, Material};
     use glam::Vec2;
-
-    /// A wall of height 2 at x = 0, as good as infinitely long, whose closed form is in the tests of ambient
-    /// occlusion.
-    fn wall() -> Mesh {
-        quad([(-900., 0.), (900., 0.), (900., 2.), (-900., 2.)].map(|(z, y)| Vec3::new(0.0, y, z)))
-    }
 
     /// At (x, 0, 0) of the floor, seen from nearby.
     fn at_floor(scene: &TracedScene, x: f32, radius: f32) -> MeanWithError {

@@ -113,6 +113,15 @@ pub fn floor() -> Mesh {
     quad([(-9., 9.), (9., 9.), (9., -9.), (-9., -9.)].map(|(x, z)| Vec3::new(x, 0.0, z)))
 }
 
+/// Height of [`wall`], metres.
+pub const WALL_HEIGHT: f32 = 2.0;
+
+/// A wall at x = 0, as good as infinitely long.
+pub fn wall() -> Mesh {
+    let corners = [(-900., 0.), (900., 0.), (900., WALL_HEIGHT), (-900., WALL_HEIGHT)];
+    quad(corners.map(|(z, y)| Vec3::new(0.0, y, z)))
+}
+
 /// A sphere of triangles whose mean silhouette is a sphere's of that radius.
 pub fn sphere(centre: Vec3, radius: f32) -> Mesh {
     let (rings, segments) = (96u32, 192u32);

@@ -13,7 +13,7 @@ const SHARE: [f32; 2] = [0.0, 1.0];
 const LIGHT: [f32; 2] = [0.0, f32::INFINITY];
 
 /// The rows, in the order of [`Effect::ALL`].
-pub(super) const TABLE: [Definition; 18] = [
+pub(super) const TABLE: [Definition; 19] = [
     Definition {
         effect: Effect::Ao,
         name: "ao",
@@ -113,6 +113,26 @@ pub(super) const TABLE: [Definition; 18] = [
         listens_to: &[Environment],
         turns: true,
         attributes: &[WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Valid],
+        needs: Some("environment"),
+        varies: &["materials", "textures"],
+    },
+    Definition {
+        effect: Effect::OccludedIbl,
+        name: "occluded-ibl",
+        title: "Image-based lighting with occlusion",
+        meaning: "the same, from the directions that nothing blocks",
+        unit: "radiance",
+        channels: 3,
+        background: Some(0.0),
+        range: LIGHT,
+        doing_nothing: DoingNothing::Black,
+        lit_by: LitBy::Environment,
+        filters_light: false,
+        hides_light: false,
+        parts_colours: false,
+        listens_to: &[Radius, Environment],
+        turns: true,
+        attributes: &[Position, Normal, WorldNormal, ToCamera, Diffuse, Specular, Glossiness, Valid],
         needs: Some("environment"),
         varies: &["materials", "textures"],
     },
@@ -377,7 +397,7 @@ pub(super) const TABLE: [Definition; 18] = [
         unit: "radiance",
         channels: 3,
         background: None,
-        range: LIGHT,
+        range: SHARE,
         doing_nothing: DoingNothing::Black,
         lit_by: LitBy::All,
         filters_light: false,

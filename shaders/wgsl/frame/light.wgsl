@@ -5,6 +5,7 @@
 
 #import shared/light_dimmed
 #import shared/lights
+#import shared/phong_lobe
 #import shared/seen
 #import shared/shadow
 #import uniforms/frame_view
@@ -12,7 +13,6 @@
 #constant LIGHTS = 1
 
 const PI = 3.14159265;
-const NARROWEST_ALPHA = 0.02;
 
 @group(0) @binding(6) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(7) var<storage, read> map_views: array<FrameView>;
@@ -32,8 +32,7 @@ fn gather_light(@builtin(global_invocation_id) id: vec3u) {
     var specular = vec3f(0.0);
     if seen.valid {
         let point = view.eye.xyz + seen.offset;
-        let alpha = max(seen.roughness * seen.roughness, NARROWEST_ALPHA);
-        let exponent = max(2.0 / (alpha * alpha) - 2.0, 0.0);
+        let exponent = phong_exponent(phong_alpha(seen.roughness));
         let mirrored = reflect(-seen.to_camera, seen.normal);
         for (var i = 0u; i < LIGHTS; i++) {
             let light = lights[i];

@@ -4,11 +4,9 @@ use super::Filtered;
 use super::filter::LEVELS;
 use super::lobe::{ANGLES, EXPONENTS};
 use crate::methods::surface::vector;
+use crate::path::bsdf::Phong;
 use deepshade_shaders::{Attribute, GBuffer, MissingAttribute, Planes, shows_surface};
 use glam::{IVec2, Vec3};
-
-/// Smoother surfaces have the lobe of this squared roughness.
-const NARROWEST_ALPHA: f32 = 0.02;
 
 /// Radiance reflected to the eye, `[3, height, width]`.
 ///
@@ -28,7 +26,7 @@ pub fn shade(gbuffer: &GBuffer, environment: &Filtered) -> Result<Planes, Missin
         let (normal, viewer) = (vector(&normal, at), vector(&viewer, at));
         let cosine = normal.dot(viewer);
         let mirrored = 2.0 * cosine * normal - viewer;
-        let lobe = environment.lobe(exponent(glossiness.data()[i]), cosine);
+        let lobe = environment.lobe(Phong::new(1.0 - glossiness.data()[i]).exponent(), cosine);
         let direction = mirrored.lerp(normal, lobe.y).normalize();
         let level = (lobe.z as usize).min(LEVELS - 2);
         let [coarse, fine] = [level, level + 1].map(|level| environment.maps[level].radiance(direction));
@@ -38,12 +36,6 @@ pub fn shade(gbuffer: &GBuffer, environment: &Filtered) -> Result<Planes, Missin
     };
     let pixels: Vec<Vec3> = (0..height * width).map(pixel).collect();
     Ok(Planes::from_fn(3, height, width, |c, y, x| pixels[y * width + x][c]))
-}
-
-fn exponent(glossiness: f32) -> f32 {
-    let roughness = 1.0 - glossiness;
-    let alpha = (roughness * roughness).max(NARROWEST_ALPHA);
-    (2.0 / (alpha * alpha) - 2.0).max(0.0)
 }
 
 impl Filtered {

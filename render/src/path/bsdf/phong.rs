@@ -11,6 +11,11 @@ use std::f32::consts::TAU;
 /// Smoother surfaces have this lobe, whose exponent is 4,998.
 const NARROWEST_ALPHA: f32 = 0.02;
 
+/// The squared roughness by which a lobe is as wide as it is.
+pub fn phong_alpha(roughness: f32) -> f32 {
+    (roughness * roughness).max(NARROWEST_ALPHA)
+}
+
 /// A lobe around the direction of a mirror.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong {
@@ -22,8 +27,13 @@ impl Phong {
     /// roughness, at least 0.02 (Walter et al. 2007, the exponent of a Blinn-Phong distribution of the same
     /// width).
     pub fn new(roughness: f32) -> Self {
-        let alpha = (roughness * roughness).max(NARROWEST_ALPHA);
+        let alpha = phong_alpha(roughness);
         Self { exponent: (2.0 / (alpha * alpha) - 2.0).max(0.0) }
+    }
+
+    /// The power of the cosine.
+    pub const fn exponent(&self) -> f32 {
+        self.exponent
     }
 
     /// What comes from one direction per steradian of another, without the cosine: by the cosine of the angle

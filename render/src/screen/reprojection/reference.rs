@@ -88,14 +88,20 @@ impl Two<'_> {
     }
 }
 
-/// What [`Two`] knows of a frame, of a scene at rest: from positions in camera space, `[3, height, width]`,
-/// of what is seen.
-pub fn since_at_rest(positions: &Planes, seen: &[bool], camera: &Camera, before: &Camera) -> Planes {
+/// What [`Two`] knows of a frame: from positions in camera space, `[3, height, width]`, of what is seen, and
+/// how far that has gone since the frame before, metres in world space.
+pub fn since(
+    positions: &Planes,
+    seen: &[bool],
+    gone: &[Vec3],
+    camera: &Camera,
+    before: &Camera,
+) -> Planes {
     let [height, width] = [positions.height(), positions.width()];
     let mut since = Planes::filled(4, height, width, 0.0);
     for pixel in (0..height * width).filter(|pixel| seen[*pixel]) {
         let place = Vec3::from_array([0, 1, 2].map(|axis| positions.plane(axis)[pixel]));
-        let then = before.to_camera(camera.position + camera.rotation * place);
+        let then = before.to_camera(camera.position + camera.rotation * place - gone[pixel]);
         let at = Vec2::new((pixel % width) as f32, (pixel / width) as f32) + 0.5;
         // What was behind the camera had no positive depth, by which it counts as not seen.
         let movement = at - before.project(then, height, width).unwrap_or(at);

@@ -1,6 +1,6 @@
 //! Reprojection against closed forms, and the GPU against the reference.
 
-use super::reference::{Two, flicker, mixed, since_at_rest};
+use super::reference::{Two, flicker, mixed, since};
 use super::*;
 use crate::methods::proving::{Tolerance, agree, prove_comparator};
 use crate::scene::Camera;
@@ -144,7 +144,7 @@ fn gpu_and_reference_agree_at_every_pixel() {
 }
 
 #[test]
-fn of_a_scene_at_rest_the_cameras_tell_what_moved() {
+fn cameras_and_what_has_gone_tell_what_moved() {
     // A wall 5 m before a camera that went half a metre to the right, and came a metre nearer.
     let before = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z);
     let camera = Camera { position: Vec3::new(0.5, 0.0, -1.0), ..before };
@@ -156,7 +156,13 @@ fn of_a_scene_at_rest_the_cameras_tell_what_moved() {
     let positions = Planes::from_fn(3, HEIGHT, WIDTH, |c, y, x| place(y, x)[c]);
     let mut seen = vec![true; HEIGHT * WIDTH];
     seen[0] = false;
-    let since = since_at_rest(&positions, &seen, &camera, &before);
+    // A pixel further right shows what has itself gone to the right.
+    let mut gone = vec![Vec3::ZERO; HEIGHT * WIDTH];
+    gone[10 * WIDTH + 21] = Vec3::new(0.3, 0.0, 0.0);
+    let since = since(&positions, &seen, &gone, &camera, &before);
+    let went = since.at(0, 10, 21) - since.at(0, 10, 20);
+    // Pixels were 5/6 as far apart, from a metre further away.
+    assert!((went - (1.0 - 5.0 / 6.0 + 0.3 * focal / 6.0)).abs() < 1e-3, "{went}");
     assert_eq!([0, 1, 2, 3].map(|channel| since.at(channel, 0, 0)), [0.0; 4], "nothing is seen there");
     let now = place(10, 20).truncate() * focal / 5.0;
     let then = (place(10, 20).truncate() + Vec2::new(0.5, 0.0)) * focal / 6.0;

@@ -3,6 +3,7 @@
 // (render/src/path/bsdf.rs). Each by the base and by the specular lobe.
 
 #import shared/lights
+#import shared/phong_lobe
 #import shared/surface
 #import shared/surface_valid
 #import shared/view
@@ -21,7 +22,6 @@
 @group(0) @binding(8) var<storage, read_write> lobes: array<f32>;
 
 const PI = 3.14159265;
-const NARROWEST_ALPHA = 0.02;
 // As render/src/path/bsdf/fresnel.rs has them.
 const FULL_GRAZING = 0.02;
 const MEAN_OF_FIFTH = 1.0 / 22.0;
@@ -70,9 +70,8 @@ fn sum_lobes(@builtin(global_invocation_id) id: vec3u) {
         let normal = from_view(surface_normal(at, pixels), view);
         let to_camera = normalize(-offset);
         let seen = dot(normal, to_camera);
-        let roughness = 1.0 - glossiness_plane[at];
-        let alpha = max(roughness * roughness, NARROWEST_ALPHA);
-        let exponent = max(2.0 / (alpha * alpha) - 2.0, 0.0);
+        let alpha = phong_alpha(1.0 - glossiness_plane[at]);
+        let exponent = phong_exponent(alpha);
         let specular = vec3f(
             specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]
         );

@@ -2,17 +2,11 @@
 // The plain version is render/src/methods/prefiltered/reference.rs; both do the same, line by line.
 
 #import shared/environment
+#import shared/phong_lobe
+#import uniforms/prefiltered
 #constant ANGLES = 32
 #constant EXPONENTS = 26
 #constant LEVELS = 14
-
-/// What `methods/prefiltered/shade` reads.
-struct Prefiltered {
-    /// Columns of the image.
-    width: u32,
-    /// Rows of the image.
-    height: u32,
-}
 
 @group(0) @binding(0) var<uniform> image: Prefiltered;
 // Attributes, [channels, height, width].
@@ -26,15 +20,6 @@ struct Prefiltered {
 @group(0) @binding(7) var<storage, read> environment: array<vec4f>;
 // [3, height, width]
 @group(0) @binding(8) var<storage, read_write> radiance: array<f32>;
-
-// Smoother surfaces have the lobe of this squared roughness.
-const NARROWEST_ALPHA = 0.02;
-
-fn exponent_of(glossiness: f32) -> f32 {
-    let roughness = 1.0 - glossiness;
-    let alpha = max(roughness * roughness, NARROWEST_ALPHA);
-    return max(2.0 / (alpha * alpha) - 2.0, 0.0);
-}
 
 // Energy, lean and level, bilinear in the table, by the cosine of the mirrored direction to the normal.
 fn lobe_of(exponent: f32, cosine: f32) -> vec3f {
@@ -67,7 +52,7 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
         let viewer = vec3f(to_camera[x], to_camera[y], to_camera[z]);
         let cosine = dot(normal, viewer);
         let mirrored = 2.0 * cosine * normal - viewer;
-        let lobe = lobe_of(exponent_of(glossiness[x]), cosine);
+        let lobe = lobe_of(phong_exponent(phong_alpha(1.0 - glossiness[x])), cosine);
         let direction = normalize(mix(mirrored, normal, lobe.y));
         let level = min(u32(lobe.z), LEVELS - 2u);
         let reflected = mix(filtered(level, direction), filtered(level + 1u, direction), lobe.z - f32(level));
