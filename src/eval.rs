@@ -53,8 +53,8 @@ use std::path::{Path, PathBuf};
     has its own before that: ssim_gtao_high_medium. With --sequence ssim_METHOD, flicker_METHOD, \
     ghosts_METHOD, of images that are mixed with frames before METHOD_mixed, and truth's own change \
     flicker_truth. paired_METRIC is how far the network is above the best, \
-    by SSIM, of the methods that take at least as long on the same device, or above the slowest where none \
-    does, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low \
+    by SSIM, of the methods that take no longer on the same device, or above the fastest where all take \
+    longer, frame by frame (where no method ran on that device, above the best of all); paired_METRIC_low \
     and _high are the ends of its 95 % interval; details.paired_against says which \
     method that is. scenes_below_trivial counts the scenes in which the network is worse than the image of \
     whoever does nothing.")]
@@ -102,7 +102,7 @@ pub struct Args {
     /// surfaces is held against truth's own, and errors behind what moves are counted. Truth of all of them
     /// is rendered, which takes seconds a frame.
     #[arg(long, value_parser = clap::value_parser!(u32).range(2..=64))]
-    #[arg(conflicts_with_all = ["all", "curve", "results"])]
+    #[arg(conflicts_with_all = ["curve", "results", "markdown", "page"])]
     sequence: Option<u32>,
     /// With --sequence also measures each method mixed with the frames before, as `render --temporal` does.
     #[arg(long, requires = "sequence")]
@@ -114,8 +114,8 @@ pub struct Args {
     /// Writes the table of networks as Markdown.
     #[arg(long, requires = "all")]
     markdown: Option<PathBuf>,
-    /// Writes a page into this folder: the table of networks, and their best, median and worst frame in
-    /// pictures.
+    /// Writes a page into this folder: the table of networks, error against time of each effect, networks
+    /// less their rivals, and their best, median and worst frame in pictures.
     #[arg(long, requires = "all")]
     page: Option<PathBuf>,
     /// Writes the figures here as JSON.
@@ -192,7 +192,10 @@ struct EvaluationInputs {
 pub fn run(args: &Args) -> Result<()> {
     args.results.as_deref().map_or(Ok(()), |path| results::check(path, args.json.as_deref()))?;
     if args.all {
-        return networks::run(args);
+        return match args.sequence {
+            Some(frames) => sequence::run_all(args, frames as usize, &Gpu::new()?),
+            None => networks::run(args),
+        };
     }
     // The parser lets them pass beside what `--all` excludes.
     let of_all = [
@@ -256,7 +259,8 @@ fn evaluate_methods(
         if let Some(target) = &set.recipe().target {
             note!("what methods are scored against is not truth but the images of `{target}`");
         }
-        let evaluation = evaluate(set, &chosen, inputs.effect, &rivals, repeats(gpu))?;
+        let mut evaluation = evaluate(set, &chosen, inputs.effect, &rivals, repeats(gpu))?;
+        evaluation.all_on_processor = gpu.is_software();
         scored.push(Scored { name: named.name.clone(), title, evaluation });
     }
     Ok(EvaluationOutcome::new(rivals, scored))

@@ -18,6 +18,7 @@ use deepshade_infer::forward::Precision;
 use deepshade_infer::{AnalyticEstimate, Model, NetSpec};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_train::TrainConfig;
 use deepshade_train::export::{CARD_FILE, Facts, export, measured};
 use serde_json::Value;
@@ -240,10 +241,10 @@ fn limits(spec: &NetSpec, recipe: &Recipe) -> Vec<String> {
     // A network that was shown all radii is as good at any of them.
     let one_radius = matches!(recipe.radius, Radius::Diagonal(_) | Radius::Metres(_));
     limits.extend(match recipe.effect {
-        Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi if !one_radius => None,
-        Effect::Ao | Effect::Do | Effect::Gi | Effect::Glossy | Effect::Multi => {
-            Some("Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained one.")
-        }
+        effect if effect.listens_to(EffectSetting::Radius) => one_radius.then_some(
+            "Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained \
+             one.",
+        ),
         Effect::Aa => Some("The paper's table gives this network 1.2 k weights, which its text does not lead to: it gives 609."),
         Effect::Ibl => Some("The paper's table gives this network 3.9 k weights, which its text does not lead to: it gives 4,503."),
         Effect::Real => Some(

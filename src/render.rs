@@ -52,11 +52,11 @@ use std::time::Instant;
     --look-at 0,1.2,0 --effect ao --method hbao --temporal --frames 50 --out sequence"
 )]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long)]
     scene: SceneSource,
-    /// What is computed: ao, do, gi, glossy, ibl, sss, subsurface, dof, motion-blur, aa, multi, fog-direct,
-    /// fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the book says what each is.
+    /// What is computed: ao, do, gi, glossy, ibl, occluded-ibl, sss, subsurface, dof, motion-blur, aa, multi,
+    /// fog-direct, fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the book says what each is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.

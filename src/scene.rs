@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  deepshade scene sponza/sponza.gltf\n  deepshade scene stairs:7\n  \
     deepshade scene --list")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(required_unless_present = "list")]
     scene: Option<SceneSource>,
     /// Moment of animations, skins and morph targets, seconds.

@@ -73,7 +73,7 @@ use workers::Workers;
     file or the folder of a model or a training run dropped onto the window is opened, layers of an EXR file \
     are shown beside the methods.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "room:7")]
     scene: SceneSource,
     /// What is computed first.

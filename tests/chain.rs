@@ -140,11 +140,13 @@ fn from_a_recipe_to_a_network_that_is_compared() {
     chain.figures("export --model model --metrics eval.json", &["weights"]);
     let card = std::fs::read_to_string(chain.path("model/card.md")).expect("a card");
     assert!(card.contains("| frames | 2 |") && card.contains("| device_learned |"), "{card}");
-    let flicker = chain.figures(
-        "eval --model model --testset testset --sequence 2 --frames 1 --methods learned,hbao --quality low",
-        &["flicker_learned", "flicker_hbao_low", "flicker_truth"],
+    let steadiness = chain.figures(
+        "eval --model model --testset testset --sequence 3 --frames 1 --methods learned,hbao --quality low \
+         --temporal",
+        &["flicker_learned", "flicker_hbao_low", "ghosts_hbao_low", "ssim_hbao_low_mixed", "flicker_truth"],
     );
-    assert!(flicker["flicker_hbao_low"].as_f64().expect("a number") > 0.0, "{flicker}");
+    let figure = |name: &str| steadiness[name].as_f64().expect("a number");
+    assert!(figure("flicker_hbao_low_mixed") < figure("flicker_hbao_low"), "{steadiness}");
     let output = chain.run(&mut Command::new(PROGRAM), "export --model model --metrics results.json");
     assert!(!output.status.success(), "figures of nobody in particular");
     let tuned =

@@ -38,9 +38,10 @@ pub struct Reader {
 }
 
 /// All of them.
-pub const READERS: [Reader; 12] = [
+pub const READERS: [Reader; 13] = [
     Reader { name: "gltf", files: &["scene.gltf"], accepts: gltf },
     Reader { name: "obj", files: &["scene.obj", "scene.mtl", "texture.png"], accepts: obj },
+    Reader { name: "ply", files: &["scene.ply"], accepts: ply },
     Reader { name: "exr", files: &["frame.exr"], accepts: exr },
     Reader { name: "texture", files: &["texture.png"], accepts: texture },
     Reader { name: "environment", files: &["sky.hdr"], accepts: environment },
@@ -105,6 +106,10 @@ fn gltf(folder: &Path) -> bool {
         let _ = [f32::NEG_INFINITY, 0.5, 1e30].map(|time| rig.pose(time));
     }
     Scene::load_moving(&path, 0.5, 0.25).is_ok_and(traced)
+}
+
+fn ply(folder: &Path) -> bool {
+    Scene::load(&folder.join("scene.ply"), 0.0).is_ok_and(traced)
 }
 
 fn obj(folder: &Path) -> bool {

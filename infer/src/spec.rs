@@ -180,7 +180,6 @@ impl NetSpec {
                 let surface = [Diffuse, Specular, Glossiness, Estimate, Openness];
                 ([&local[..], &surface].concat(), Estimate, Estimate, 2)
             }
-            Effect::FogDirect => (vec![Normal, Relief, Estimate], Estimate, Estimate, 3),
             Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),

@@ -28,7 +28,6 @@ SHIPPED = (
     "ibl-paper",
     "motion-blur",
     "multi",
-    "real",
     "sss",
 )
 

@@ -134,16 +134,26 @@ impl GBuffer {
         Ok(Some(found).filter(|found| found.iter().all(|value| value.is_finite() && *value > 0.0)))
     }
 
-    /// The g-buffer with more attributes, whose planes `more` has one after the other.
+    /// The g-buffer with these attributes, held before or not, whose planes `more` has one after the other.
     ///
     /// # Panics
     /// If the number of planes is not the sum of the attributes' widths, or the sizes differ.
     #[must_use]
     pub fn with(&self, attributes: &[Attribute], more: &[f32]) -> Self {
-        let data = [self.planes.data(), more].concat();
-        let attributes = [&self.attributes, attributes].concat();
-        let channels = attributes.iter().map(|attribute| attribute.width()).sum();
-        Self::new(attributes, Planes::from_data(channels, self.height(), self.width(), data))
+        let (mut kept, mut data) = (Vec::new(), Vec::with_capacity(self.planes.data().len() + more.len()));
+        let mut first = 0;
+        for attribute in &self.attributes {
+            let planes = first..first + attribute.width();
+            first = planes.end;
+            if !attributes.contains(attribute) {
+                kept.push(*attribute);
+                planes.for_each(|plane| data.extend_from_slice(self.planes.plane(plane)));
+            }
+        }
+        kept.extend_from_slice(attributes);
+        data.extend_from_slice(more);
+        let channels = kept.iter().map(|attribute| attribute.width()).sum();
+        Self::new(kept, Planes::from_data(channels, self.height(), self.width(), data))
     }
 
     /// The planes of some attributes one after the other, `[sum of widths, height, width]`: what a network
@@ -193,7 +203,10 @@ mod tests {
         let nothing = GBuffer::new(vec![Attribute::Position, Attribute::Valid], Planes::filled(4, 2, 2, 0.0));
         assert_eq!(nothing.focal_length(), Ok(1.0));
         let with = nothing.with(&[Attribute::Border], &[0.5; 4]);
-        assert_eq!(with.select(&[Attribute::Border]).map(|border| border.data().to_vec()), Ok(vec![0.5; 4]));
+        let border = |of: &GBuffer| of.select(&[Attribute::Border]).map(|border| border.data().to_vec());
+        assert_eq!(border(&with), Ok(vec![0.5; 4]));
+        let replaced = with.with(&[Attribute::Border], &[0.25; 4]);
+        assert_eq!((border(&replaced), replaced.attributes().len()), (Ok(vec![0.25; 4]), 3));
     }
 
     #[test]

@@ -36,7 +36,7 @@ const WARM_UP: u32 = 5;
     program's once it was asked for: on lavapipe that swings by 40 MB with what is seen, so a few steps of some MB are none of \
     a leak's; growth that goes on with --frames is.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
     scene: SceneSource,
     /// Sizes of the image.

@@ -31,7 +31,7 @@ const REPEATS: Repeats = Repeats { warm_up: 1, timed: 5 };
     In the JSON file ms is of the whole frame at once, ms_PASS of all passes of a shader, ms_PART of a part of a \
     method. On software adapters each pass waits for the one before, so that they add up to more than ms.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
     scene: SceneSource,
     /// What the method computes.

@@ -31,7 +31,7 @@ use std::time::Instant;
     does not come with the program; those of different scenes cannot be compared. Ambient occlusion rays are \
     as long as 15 % of the scene's diagonal.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
     scene: SceneSource,
     #[command(flatten)]

@@ -1,5 +1,5 @@
 //! Error against time: a line a method through its qualities, all axes logarithmic, a panel for each way to
-//! measure error. Where methods ran on several devices, their names say on which.
+//! measure error. Where methods ran on several devices, numbers say on which.
 
 use super::rivals::Rival;
 use super::score::Evaluation;
@@ -68,14 +68,15 @@ pub fn write(path: &Path, effect: Effect, curves: Curves<'_>) -> Result<()> {
 /// If nothing was measured that logarithmic axes can show.
 pub fn svg(title: &str, effect: Effect, all: &[Curves<'_>]) -> Result<String> {
     let trivial = effect.definition().doing_nothing.name();
+    let devices = devices(all);
     let panel = |measure: &Measure| {
         let nothing = all.iter().find_map(|curves| curves.error(measure, trivial));
-        Panel::new(measure.name, lines(measure, all), nothing.map(|error| (trivial, error)))
+        Panel::new(measure.name, lines(measure, all, &devices), nothing.map(|error| (trivial, error)))
             .ok_or_else(|| anyhow!("no times or errors above 0 to draw"))
     };
     let panels = MEASURES.iter().map(panel).collect::<Result<Vec<_>>>()?;
     let mut svg = String::new();
-    draw(&mut svg, title, &panels).map_err(|error| anyhow!("{error}"))?;
+    draw(&mut svg, &titled(title, &devices), &panels).map_err(|error| anyhow!("{error}"))?;
     Ok(svg)
 }
 
@@ -106,8 +107,14 @@ struct Point<'a> {
     at: (f64, f64),
 }
 
-/// The lines of all methods.
-fn lines(measure: &Measure, all: &[Curves<'_>]) -> Vec<Line> {
+/// The devices that methods ran on.
+fn devices<'a>(all: &'a [Curves<'_>]) -> Vec<&'a str> {
+    let of = |curves: &'a Curves<'_>| curves.evaluation.devices.values().map(String::as_str);
+    all.iter().flat_map(of).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// The lines of all methods, each with the number of its device where there are several.
+fn lines(measure: &Measure, all: &[Curves<'_>], devices: &[&str]) -> Vec<Line> {
     let mut points: Vec<Point<'_>> = Vec::new();
     let measured =
         all.iter().flat_map(|curves| curves.rivals.iter().filter_map(|rival| curves.point(measure, rival)));
@@ -116,10 +123,10 @@ fn lines(measure: &Measure, all: &[Curves<'_>]) -> Vec<Line> {
             points.push(point);
         }
     }
-    let devices: BTreeSet<&str> = points.iter().map(|point| point.device).collect();
     let mut lines: Vec<Line> = Vec::new();
     for Point { method, device, at, .. } in points {
-        let name = if devices.len() > 1 { format!("{method} ({device})") } else { method.to_owned() };
+        let number = devices.iter().position(|known| *known == device).filter(|_| devices.len() > 1);
+        let name = number.map_or_else(|| method.to_owned(), |number| format!("{method} [{}]", number + 1));
         match lines.iter_mut().find(|(known, _)| *known == name) {
             Some((_, points)) => points.push(at),
             None => lines.push((name, vec![at])),
@@ -127,6 +134,16 @@ fn lines(measure: &Measure, all: &[Curves<'_>]) -> Vec<Line> {
     }
     lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
     lines
+}
+
+/// A title with the devices, numbered where there are several.
+fn titled(title: &str, devices: &[&str]) -> String {
+    let numbered = |(number, device): (usize, &&str)| match devices.len() {
+        1 => (*device).to_owned(),
+        _ => format!("[{}] {device}", number + 1),
+    };
+    let devices: Vec<String> = devices.iter().enumerate().map(numbered).collect();
+    format!("{title}; {}", devices.join(", "))
 }
 
 impl Panel {
@@ -202,6 +219,8 @@ fn draw(svg: &mut String, title: &str, panels: &[Panel]) -> Result<(), Box<dyn s
 
 #[cfg(test)]
 mod tests {
+    use super::super::paired::tests::rival;
+    use super::super::score::tests::evaluation;
     use super::*;
 
     fn panel(name: &'static str, scale: f64) -> Option<Panel> {
@@ -226,6 +245,36 @@ mod tests {
         }
         assert!(svg.matches("<polyline").count() >= 6, "{svg}");
         assert_eq!(svg.matches("<circle").count(), 6, "a dot a point");
+    }
+
+    #[test]
+    fn several_devices_are_numbered_and_a_rival_of_two_networks_is_drawn_once() {
+        let frame = [
+            ("ms_learned", 2.0),
+            ("ssim_learned", 0.9),
+            ("ms_gtao", 1.0),
+            ("ssim_gtao", 0.8),
+            ("ms_gtao_low", 0.5),
+            ("ssim_gtao_low", 0.7),
+        ];
+        let mut evaluation = evaluation(&[("cave:1", &[&frame])]);
+        let rivals = [rival("learned", LEARNED), rival("gtao", "gtao"), rival("gtao_low", "gtao")];
+        let both = |evaluation: &Evaluation| {
+            let curves = |network| Curves { network, rivals: &rivals, evaluation };
+            let all = [curves("ao"), curves("ao-small")];
+            let devices = devices(&all);
+            let lines = lines(&MEASURES[1], &all, &devices);
+            let points = |(name, points): Line| format!("{name}: {}", points.len());
+            (titled("ao", &devices), lines.into_iter().map(points).collect::<Vec<_>>())
+        };
+        evaluation.devices =
+            ["learned", "gtao", "gtao_low"].map(|name| (name.to_owned(), "card".to_owned())).into();
+        let (title, names) = both(&evaluation);
+        assert_eq!((title.as_str(), names.join(", ").as_str()), ("ao; card", "ao: 1, gtao: 2, ao-small: 1"));
+        evaluation.devices.insert("learned".to_owned(), "cpu".to_owned());
+        let (title, names) = both(&evaluation);
+        assert_eq!(title, "ao; [1] card, [2] cpu");
+        assert_eq!(names.join(", "), "ao [2]: 1, gtao [1]: 2, ao-small [2]: 1");
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! `deepshade eval --all`: every network beside what the thesis reports of its own, as a table, figures and a
 //! page.
 
-use super::names::{figure_name, name_of, set_figures};
+use super::names::{figure_name, name_of, of_network, set_figures};
 use super::outcome::EvaluationOutcome;
 use super::paper::{Published, published};
 use super::results::{self, Entry};
+use super::sets::ARTISTS;
 use super::{Args, EvaluationInputs, evaluate_methods, page, sets, target};
 use crate::figures::{Figures, write_atomically};
 use crate::methods::{LEARNED, names_of};
@@ -33,8 +34,8 @@ pub struct Row {
     pub target: String,
     /// What the thesis says of it.
     pub published: Option<&'static Published>,
-    /// The image that it is held against for doing nothing.
-    pub trivial: &'static str,
+    /// The folders of its test sets.
+    pub sets: Vec<PathBuf>,
     /// The scores.
     pub outcome: EvaluationOutcome,
 }
@@ -55,23 +56,13 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let gpu = Gpu::new()?;
     let mut rows = Vec::new();
-    for Tested { folder, model, sets } in networks(args)? {
-        let name = name_of(&folder);
+    for tested in networks(args)? {
+        let (weights, sets) = (tested.model.spec.weight_count(), tested.sets.clone());
+        let (name, inputs) = tested.inputs(args)?;
         note!("{name}");
-        let effect = model.spec.effect;
-        let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
-        let (weights, target) = (model.spec.weight_count(), target(&sets).to_owned());
-        let inputs = EvaluationInputs { effect, network: Some((figure_name(&folder), model)), sets };
+        let (effect, target) = (inputs.effect, target(&inputs.sets).to_owned());
         let outcome = evaluate_methods(&inputs, &methods_for(effect, &args.methods), args, &gpu)?;
-        let row = Row {
-            published: published(&name),
-            trivial: effect.definition().doing_nothing.name(),
-            name,
-            effect,
-            weights,
-            target,
-            outcome,
-        };
+        let row = Row { published: published(&name), name, effect, sets, weights, target, outcome };
         // At once: all of them take minutes, and whoever interrupts that keeps what was made.
         if let Some(path) = &args.results {
             let network = row.name.replace('-', "_");
@@ -82,9 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut figures = Figures::new("eval");
     for row in &rows {
-        let evaluation = &row.outcome.evaluation;
-        set_figures(&mut figures, &row.name.replace('-', "_"), evaluation);
-        figures.detail(&row.name, json!(evaluation.parts()));
+        row.set_figures(&mut figures);
     }
     figures.detail("methods", json!(args.methods));
     figures.detail("adapter", json!(gpu.info.name));
@@ -101,8 +90,27 @@ pub fn run(args: &Args) -> Result<()> {
     say!("{}", table::aligned(&lines))
 }
 
+impl Row {
+    /// Sets the figures of all its test sets but artists' scenes, the same of these, and by how much the
+    /// network is ahead on both: `ssim_<network>`, `paired_<network>`, ... `_artists`.
+    fn set_figures(&self, figures: &mut Figures) {
+        let network = self.name.replace('-', "_");
+        let EvaluationOutcome { evaluation, sets, .. } = &self.outcome;
+        set_figures(figures, &network, evaluation);
+        let artists = sets.iter().find(|set| set.name == ARTISTS).filter(|_| sets.len() > 1);
+        for (name, estimate) in artists.into_iter().flat_map(|set| set.evaluation.estimates()) {
+            figures.set(&format!("{}_{ARTISTS}", of_network(&network, name)), estimate.mean);
+        }
+        for comparison in self.outcome.pairs() {
+            let suffix = comparison.suffix.filter(|suffix| suffix.is_empty() || suffix[1..] == *ARTISTS);
+            suffix.iter().for_each(|suffix| comparison.pair.set_figures_of(figures, &network, suffix));
+        }
+        figures.detail(&self.name, json!(evaluation.parts()));
+    }
+}
+
 /// Of the methods that are asked for, those of an effect, and its network.
-fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
+pub(super) fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
     if asked.iter().any(|name| name == "all") {
         return vec!["all".to_owned()];
     }
@@ -112,7 +120,7 @@ fn methods_for(effect: Effect, asked: &[String]) -> Vec<String> {
 }
 
 /// A network that has test sets.
-struct Tested {
+pub(super) struct Tested {
     /// The network's folder.
     folder: PathBuf,
     /// The network.
@@ -121,8 +129,22 @@ struct Tested {
     sets: Vec<PathBuf>,
 }
 
+impl Tested {
+    /// The network's name, and what it is evaluated on.
+    ///
+    /// # Errors
+    /// If a test set cannot be read.
+    pub(super) fn inputs(self, args: &Args) -> Result<(String, EvaluationInputs)> {
+        let Self { folder, model, sets } = self;
+        let effect = model.spec.effect;
+        let sets = sets::open(&sets, effect, args.scenes.as_deref())?;
+        let network = Some((figure_name(&folder), model));
+        Ok((name_of(&folder), EvaluationInputs { effect, network, sets }))
+    }
+}
+
 /// The networks, each with its test sets; networks without one are named and left out.
-fn networks(args: &Args) -> Result<Vec<Tested>> {
+pub(super) fn networks(args: &Args) -> Result<Vec<Tested>> {
     let entries = std::fs::read_dir(MODELS).with_context(|| format!("no folder `{MODELS}` here"))?;
     let mut folders: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     folders.retain(|folder| folder.join("net.json").is_file());
@@ -173,10 +195,7 @@ fn line(row: &Row) -> Vec<String> {
     let number = |estimate: Option<MeanInterval>, digits: usize| {
         estimate.map_or(String::new(), |estimate| format!("{:.digits$}", estimate.mean))
     };
-    let paper = row.published.map_or("-".to_owned(), |paper| {
-        let star = if paper.incomparable.is_some() { "*" } else { "" };
-        format!("{:.3}{star}", paper.ssim)
-    });
+    let paper = row.published.map_or("-".to_owned(), |paper| format!("{:.3}", paper.ssim));
     vec![
         row.name.clone(),
         row.weights.to_string(),
@@ -186,7 +205,7 @@ fn line(row: &Row) -> Vec<String> {
         paper,
         best.map_or("-".to_owned(), |rival| rival.name.replace('_', "-")),
         interval(best.and_then(|rival| ssim(&rival.name))),
-        number(ssim(row.trivial), 3),
+        number(ssim(row.effect.definition().doing_nothing.name()), 3),
         number(ssim("ceiling"), 3),
         number(found("ms", LEARNED), 1),
         row.published.map_or("-".to_owned(), |paper| format!("{:.1}", paper.milliseconds)),

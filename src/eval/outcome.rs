@@ -38,7 +38,7 @@ pub struct NetworkComparison<'a> {
     /// Which.
     pub title: &'a str,
     /// What figures of it end with; none of a set without a name of its own.
-    suffix: Option<String>,
+    pub suffix: Option<String>,
     /// The two.
     pub pair: Pair<'a>,
 }

@@ -3,7 +3,7 @@
 
 use super::curve::{self, Curves};
 use super::networks::Row;
-use super::score::FrameImages;
+use super::score::{Evaluation, FrameImages};
 use super::sets::ARTISTS;
 use super::tables::differences;
 use crate::arguments;
@@ -12,7 +12,7 @@ use crate::report::images::{shown, write_png};
 use anyhow::Result;
 use askama::Template;
 use deepshade_shaders::Effect;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the page.
 const PAGE: &str = "index.html";
@@ -22,7 +22,6 @@ const PAGE: &str = "index.html";
 struct Page<'a> {
     head: &'a [String],
     lines: &'a [Vec<String>],
-    notes: Vec<String>,
     charts: Vec<Chart>,
     pairs: Vec<Vec<String>>,
     networks: Vec<Network<'a>>,
@@ -60,43 +59,54 @@ pub fn write(folder: &Path, lines: &[Vec<String>], rows: &[Row]) -> Result<()> {
             }
         }
     }
-    let notes =
-        rows.iter().filter_map(|row| Some(format!("* {}: {}.", row.name, row.published?.incomparable?)));
-    let (charts, pairs) = (charts(rows)?, pairs(rows));
-    let page = Page { head: &lines[0], lines: &lines[1..], notes: notes.collect(), charts, pairs, networks };
+    let (charts, pairs) = (charts(rows), pairs(rows));
+    let page = Page { head: &lines[0], lines: &lines[1..], charts, pairs, networks };
     write_atomically(&folder.join(PAGE), page.render()?.as_bytes())
 }
 
-/// A chart of each effect with all its networks and their rivals, and one of its artists' scenes.
-fn charts(rows: &[Row]) -> Result<Vec<Chart>> {
-    let mut effects: Vec<Effect> = rows.iter().map(|row| row.effect).collect();
-    effects.dedup();
-    let mut charts = Vec::new();
-    for effect in effects {
-        let of_effect = || rows.iter().filter(|row| row.effect == effect);
-        let all = of_effect().map(|row| Some((row, &row.outcome.evaluation)));
-        let artists = of_effect().map(|row| {
-            let set = row.outcome.sets.iter().find(|set| set.name == ARTISTS)?;
-            (row.outcome.sets.len() > 1).then_some((row, &set.evaluation))
-        });
-        let kinds = [("unseen families", all.collect::<Vec<_>>()), ("artists' scenes", artists.collect())];
-        for (of, evaluations) in kinds {
-            let curves: Vec<Curves<'_>> = evaluations
-                .into_iter()
-                .flatten()
-                .map(|(row, evaluation)| Curves {
-                    network: &row.name,
-                    rivals: &row.outcome.rivals,
-                    evaluation,
-                })
-                .collect();
-            if !curves.is_empty() {
-                let title = format!("{effect}, {of}");
-                charts.push(Chart { svg: curve::svg(&title, effect, &curves)?, title });
-            }
+/// A chart of each effect and test sets, with all networks of both and their rivals, and one of its artists'
+/// scenes. What logarithmic axes cannot show has none.
+fn charts(rows: &[Row]) -> Vec<Chart> {
+    let mut kinds: Vec<(Effect, &[PathBuf])> = Vec::new();
+    for row in rows {
+        let kind = (row.effect, row.sets.as_slice());
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
         }
     }
-    Ok(charts)
+    kinds.into_iter().flat_map(|kind| charts_of(rows, kind)).collect()
+}
+
+fn charts_of(rows: &[Row], (effect, sets): (Effect, &[PathBuf])) -> Vec<Chart> {
+    let of_kind: Vec<&Row> = rows.iter().filter(|row| row.effect == effect && row.sets == sets).collect();
+    let names: Vec<&str> = of_kind.iter().map(|row| row.name.as_str()).collect();
+    let all: Vec<Curves<'_>> = of_kind.iter().map(|row| row.curves(&row.outcome.evaluation)).collect();
+    let artists: Vec<_> = of_kind.iter().filter_map(|row| row.artists()).collect();
+    let chart = |(of, curves): (&str, Vec<Curves<'_>>)| {
+        let title = format!("{effect} ({}), {of}", names.join(", "));
+        match curve::svg(&title, effect, &curves) {
+            Ok(svg) => Some(Chart { svg, title }),
+            Err(error) => {
+                note!("{title}: not drawn, {error:#}");
+                None
+            }
+        }
+    };
+    let both = [("all test sets but artists' scenes", all), ("artists' scenes", artists)];
+    both.into_iter().filter(|(_, curves)| !curves.is_empty()).filter_map(chart).collect()
+}
+
+impl Row {
+    /// Those of artists' scenes, where they are not all that there is.
+    fn artists(&self) -> Option<Curves<'_>> {
+        let sets = &self.outcome.sets;
+        let set = sets.iter().find(|set| set.name == ARTISTS).filter(|_| sets.len() > 1)?;
+        Some(self.curves(&set.evaluation))
+    }
+
+    fn curves<'a>(&'a self, evaluation: &'a Evaluation) -> Curves<'a> {
+        Curves { network: &self.name, rivals: &self.outcome.rivals, evaluation }
+    }
 }
 
 /// A head, and a row a network and test set: what it is ahead of its rival by.

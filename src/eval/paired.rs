@@ -1,4 +1,4 @@
-//! A network against its strongest rival at equal time: the difference of the two frame by frame, whose
+//! A network against the best method that takes no longer: the difference of the two frame by frame, whose
 //! interval is narrower than those of both, since what makes a scene hard for one makes it hard for the
 //! other.
 
@@ -60,6 +60,18 @@ impl<'a> Pair<'a> {
         }
     }
 
+    /// As [`set_figures`](Self::set_figures) where there are several networks: `paired_<network>` is of SSIM,
+    /// `paired_psnr_<network>` of PSNR.
+    pub fn set_figures_of(&self, figures: &mut Figures, network: &str, suffix: &str) {
+        for (metric, difference) in METRICS.iter().zip(self.differences) {
+            let Some(MeanInterval { mean, low, high }) = difference else { continue };
+            let name = if *metric == "ssim" { "paired".to_owned() } else { format!("paired_{metric}") };
+            for (end, value) in [("", mean), ("_low", low), ("_high", high)] {
+                figures.set(&format!("{name}_{network}{end}{suffix}"), value);
+            }
+        }
+    }
+
     /// Whom the network is held against, as a detail of the figures.
     pub fn against(&self) -> Value {
         let (own, rival) = self.milliseconds;
@@ -82,22 +94,23 @@ fn candidates<'a>(evaluation: &Evaluation, names: &[&'a str]) -> Vec<Candidate<'
 
 fn candidate<'a>(evaluation: &Evaluation, name: &'a str) -> Option<Candidate<'a>> {
     let mean = |metric: &str| evaluation.mean(&format!("{metric}_{name}"));
-    let same_device = evaluation.devices.get(name) == evaluation.devices.get(LEARNED);
+    let device = |name: &str| evaluation.devices.get(name);
+    let same_device = evaluation.all_on_processor || device(name) == device(LEARNED);
     Some(Candidate { name, same_device, milliseconds: mean("ms")?, ssim: mean("ssim")? })
 }
 
-/// Of those that take at least as long as a network, on the same device, the one of the highest similarity;
-/// where none does, the slowest on that device; where all ran on others, the one of the highest similarity.
+/// Of those that take no longer than a network, on the same device, the one of the highest similarity; where
+/// all take longer, the fastest on that device; where all ran on others, the one of the highest similarity.
 fn strongest<'a>(milliseconds: f64, candidates: &[Candidate<'a>]) -> Option<Candidate<'a>> {
     let comparable = || candidates.iter().filter(|candidate| candidate.same_device);
     let most_similar = |a: &&Candidate<'_>, b: &&Candidate<'_>| a.ssim.total_cmp(&b.ssim);
-    let best = comparable().filter(|candidate| candidate.milliseconds >= milliseconds).max_by(most_similar);
-    let slowest = || comparable().max_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
-    best.or_else(slowest).or_else(|| candidates.iter().max_by(most_similar)).copied()
+    let best = comparable().filter(|candidate| candidate.milliseconds <= milliseconds).max_by(most_similar);
+    let fastest = || comparable().min_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
+    best.or_else(fastest).or_else(|| candidates.iter().max_by(most_similar)).copied()
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::super::score::tests::evaluation;
     use super::*;
     use deepshade_render::method::{Frame, Method, MethodError, Repeats, Shaded};
@@ -117,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rival_is_the_best_of_those_that_take_as_long() {
+    fn the_rival_is_the_best_of_those_that_take_no_longer() {
         let all = candidates_of(&[
             ("gtao", 1.0, 0.9),
             ("gtao_ultra", 5.0, 0.8),
@@ -125,10 +138,13 @@ mod tests {
             ("surfel", 4.0, 0.85),
         ]);
         let found = |milliseconds: f64| strongest(milliseconds, &all).map(|candidate| candidate.name);
-        assert_eq!(found(0.5), Some("gtao"), "all take as long");
+        assert_eq!(found(0.5), Some("gtao"), "all take longer: the fastest");
         assert_eq!(found(1.0), Some("gtao"), "as long to the last digit");
-        assert_eq!(found(4.5), Some("gtao_ultra"), "what is better and faster is none");
-        assert_eq!(found(9.0), Some("hbao_ultra"), "none takes as long: the slowest");
+        assert_eq!(found(4.5), Some("gtao"), "what is better and faster is one, too");
+        let worse = candidates_of(&[("gtao", 1.0, 0.7), ("gtao_ultra", 5.0, 0.95), ("surfel", 4.0, 0.85)]);
+        let found = |milliseconds: f64| strongest(milliseconds, &worse).map(|candidate| candidate.name);
+        assert_eq!(found(4.5), Some("surfel"), "what is better and slower is none");
+        assert_eq!(found(9.0), Some("gtao_ultra"));
         assert_eq!(strongest(1.0, &[]), None);
     }
 
@@ -140,6 +156,18 @@ mod tests {
         let found = |all: &[Candidate<'static>]| strongest(0.5, all).map(|candidate| candidate.name);
         assert_eq!(found(&all), Some("gtao"), "the others are better, and elsewhere");
         assert_eq!(found(&all[1..]), Some("surfel"), "none ran there: the best of all");
+    }
+
+    #[test]
+    fn a_software_adapter_is_the_processor() {
+        let frame = [("ssim_learned", 0.5), ("ms_learned", 5.0), ("ssim_fxaa", 0.4), ("ms_fxaa", 2.0)];
+        let mut found = evaluation(&[("cave:1", &[&frame])]);
+        let devices = [("learned", "a processor"), ("fxaa", "a software adapter")];
+        found.devices = devices.map(|(name, device)| (name.to_owned(), device.to_owned())).into();
+        let same = |found: &Evaluation| candidates(found, &["fxaa"])[0].same_device;
+        assert!(!same(&found));
+        found.all_on_processor = true;
+        assert!(same(&found));
     }
 
     #[test]
@@ -174,7 +202,11 @@ mod tests {
         }
     }
 
-    fn rival(name: &str, method_name: &'static str, quality: Quality) -> Rival {
+    pub fn rival(name: &str, method_name: &'static str) -> Rival {
+        rival_at(name, method_name, Quality::High)
+    }
+
+    fn rival_at(name: &str, method_name: &'static str, quality: Quality) -> Rival {
         let (name, quality) = (name.to_owned(), Some(quality));
         Rival { name, method_name, quality, changes: Changes::default(), method: Box::new(Named) }
     }
@@ -186,27 +218,27 @@ mod tests {
                 ("ms_learned", 2.0),
                 ("ssim_learned", learned),
                 ("flip_learned", flips[0]),
-                ("ms_gtao", 1.0),
-                ("ssim_gtao", 0.99),
-                ("flip_gtao", 0.0),
+                ("ms_gtao", 1.5),
+                ("ssim_gtao", 0.5),
+                ("flip_gtao", flips[1]),
                 ("ms_gtao_ultra", 3.0),
-                ("ssim_gtao_ultra", 0.5),
-                ("flip_gtao_ultra", flips[1]),
+                ("ssim_gtao_ultra", 0.99),
+                ("flip_gtao_ultra", 0.0),
             ]
         };
         let frames = [frame(0.6, [0.1, 0.2]), frame(0.8, [0.1, 0.4]), frame(0.3, [0.3, 0.2])];
         let found = evaluation(&[("cave:1", &[&frames[0], &frames[1]]), ("drapery:1", &[&frames[2]])]);
         let rivals = [
-            rival("learned", "learned", Quality::High),
-            rival("gtao", "gtao", Quality::High),
-            rival("gtao_ultra", "gtao", Quality::Ultra),
+            rival_at("learned", "learned", Quality::High),
+            rival_at("gtao", "gtao", Quality::High),
+            rival_at("gtao_ultra", "gtao", Quality::Ultra),
         ];
         let pair = Pair::new(&found, &rivals).expect("a pair");
         assert_eq!(
             (pair.against()["method"].as_str(), pair.against()["quality"].as_str()),
-            (Some("gtao"), Some("ultra"))
+            (Some("gtao"), Some("high"))
         );
-        assert_eq!(pair.milliseconds, (2.0, Some(3.0)));
+        assert_eq!(pair.milliseconds, (2.0, Some(1.5)));
         let mut figures = Figures::new("eval");
         pair.set_figures(&mut figures, "_small");
         let json = figures.to_json();

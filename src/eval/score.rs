@@ -30,6 +30,8 @@ pub struct Evaluation {
     pub scenes: Vec<String>,
     /// What each method ran on, by its figures' name.
     pub devices: BTreeMap<String, String>,
+    /// Whether all of these are the same processor, be it by a software adapter.
+    pub all_on_processor: bool,
     /// Frames of which there is the whole truth, if a network was among the methods.
     pub sights: Vec<FrameImages>,
     overall: Table,
@@ -74,6 +76,7 @@ impl Evaluation {
             let scenes: Vec<usize> = set.scenes.iter().map(|name| all.scene(name)).collect();
             all.frames += set.frames;
             all.devices.extend(set.devices.clone());
+            all.all_on_processor = set.all_on_processor;
             all.sights.append(&mut set.sights);
             extend(&mut all.overall, &set.overall, &scenes);
             for (part, table) in &set.parts {

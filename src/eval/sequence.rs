@@ -3,9 +3,11 @@
 mod moment;
 mod steadiness;
 
+use super::names::of_network;
 use super::rivals::Rival;
+use super::sets::NamedSet;
 use super::tables::tuned;
-use super::{Args, EvaluationInputs, opened, spread};
+use super::{Args, EvaluationInputs, networks, opened, spread};
 use crate::figures::Figures;
 use crate::methods::{LEARNED, TRUTH};
 use crate::statistics::{MeanInterval, estimate, paired};
@@ -33,19 +35,22 @@ struct MeasuredMethod<'a> {
     mixed: bool,
 }
 
+/// What was measured of an effect's methods.
+struct Outcome {
+    values: Table,
+    /// The scenes' names.
+    scenes: Vec<String>,
+}
+
 /// Evaluates methods on sequences of so many frames, prints the table.
 ///
 /// # Errors
 /// If a scene or a frame cannot be read, or a method fails.
 pub(super) fn run(args: &Args, inputs: &EvaluationInputs, frames: usize, gpu: &Gpu) -> Result<()> {
-    let with_target = inputs.sets.iter().find(|named| named.set.recipe().target.is_some());
-    ensure!(with_target.is_none(), "--sequence is measured beside truth, and a test set's target is another");
-    let rivals = opened(inputs, &args.methods, args, gpu)?;
-    let of = Measured { effect: inputs.effect, rivals: &rivals, temporal: args.temporal };
-    let (values, scenes) = measured(args, inputs, frames, of)?;
+    let outcome = evaluated(args, inputs, &args.methods, frames, gpu)?;
     let mut figures = Figures::new("eval");
     let mut intervals = Map::new();
-    for (name, values) in &values {
+    for (name, values) in &outcome.values {
         let MeanInterval { mean, low, high } = estimate(values);
         figures.set(name, mean);
         intervals.insert(name.clone(), json!([low, high]));
@@ -53,22 +58,66 @@ pub(super) fn run(args: &Args, inputs: &EvaluationInputs, frames: usize, gpu: &G
     figures.detail("confidence_95", Value::Object(intervals));
     figures.detail("effect", json!(inputs.effect.name()));
     figures.detail("frames_of_a_sequence", json!(frames));
-    figures.detail("scenes", json!(scenes));
+    figures.detail("scenes", json!(outcome.scenes));
     figures.detail("adapter", json!(gpu.info.name));
-    figures.write(args.json.as_deref())?;
+    figures.write(args.json.as_deref())
+}
+
+/// The same of every network that has a test set; the figures are `flicker_<network>`,
+/// `flicker_<network>_<rival>`, ...
+///
+/// # Errors
+/// As [`run`], and if there is no network.
+pub(super) fn run_all(args: &Args, frames: usize, gpu: &Gpu) -> Result<()> {
+    let mut figures = Figures::new("eval");
+    for tested in networks::networks(args)? {
+        let (name, inputs) = tested.inputs(args)?;
+        note!("{name}");
+        let methods = networks::methods_for(inputs.effect, &args.methods);
+        let outcome = evaluated(args, &inputs, &methods, frames, gpu)?;
+        for (figure, values) in &outcome.values {
+            figures.set(&of_network(&name.replace('-', "_"), figure), estimate(values).mean);
+        }
+    }
+    figures.detail("frames_of_a_sequence", json!(frames));
+    figures.detail("adapter", json!(gpu.info.name));
+    figures.write(args.json.as_deref())
+}
+
+/// Measures methods on sequences, prints the table.
+fn evaluated(
+    args: &Args,
+    inputs: &EvaluationInputs,
+    names: &[String],
+    frames: usize,
+    gpu: &Gpu,
+) -> Result<Outcome> {
+    let with_target = inputs.sets.iter().find(|named| named.set.recipe().target.is_some());
+    ensure!(with_target.is_none(), "--sequence is measured beside truth, and a test set's target is another");
+    let has_timeline =
+        |named: &NamedSet| named.set.recipe().vary.as_ref().is_some_and(|vary| vary.timeline.is_some());
+    ensure!(
+        !inputs.sets.iter().any(has_timeline),
+        "--sequence moves things by itself, not as a timeline does"
+    );
+    let rivals = opened(inputs, names, args, gpu)?;
+    let of = Measured { effect: inputs.effect, rivals: &rivals, temporal: args.temporal };
+    let outcome = measured(args, inputs, frames, of)?;
     say!(
-        "{}: {} sequences of {frames} frames in {} scenes. Surfaces at the median depth move by {:.1} pixels a \
-         frame, three of four things by {} to {} more.\nFlicker: root mean square of the change of surfaces \
-         that truth does not have; ghosts: of the error beside what moved there one frame ago; both in \
-         thousandths of white, 0 is calm. SSIM is to truth of few samples, whose noise lowers it",
+        "{}: {} sequences of {frames} frames in {} scenes. Surfaces at the median depth move by {:.1} pixels \
+         a frame, three of four things by {} to {} more or as they do while the shutter is open.\nFlicker: \
+         root mean square of the change of surfaces that truth does not have; ghosts: of the error beside \
+         what moved there one frame ago; both in thousandths of white, 0 is calm. SSIM is to truth of few \
+         samples, whose noise lowers it",
         inputs.effect,
-        values[&format!("flicker_{TRUTH}")].len(),
-        scenes.len(),
+        outcome.values[&format!("flicker_{TRUTH}")].len(),
+        outcome.scenes.len(),
         STEP[0].hypot(STEP[1]),
         THINGS[0],
         THINGS[1],
     )?;
-    say!("{}", printed(&methods(of), &values))
+    say!("{}", printed(&methods(of), &outcome.values))?;
+    Ok(outcome)
 }
 
 /// Those that are measured, in the order of [`Sequence::steadiness`].
@@ -85,12 +134,7 @@ impl MeasuredMethod<'_> {
 }
 
 /// The figures of all sequences in which a surface stays in sight, and the scenes' names.
-fn measured(
-    args: &Args,
-    inputs: &EvaluationInputs,
-    frames: usize,
-    of: Measured<'_>,
-) -> Result<(Table, Vec<String>)> {
+fn measured(args: &Args, inputs: &EvaluationInputs, frames: usize, of: Measured<'_>) -> Result<Outcome> {
     let (mut values, mut scenes): (Table, Vec<String>) = Default::default();
     let wanted = args.frames.map_or(SEQUENCES, |frames| frames as usize);
     for set in inputs.sets.iter().map(|named| &named.set) {
@@ -133,7 +177,7 @@ fn measured(
         bar.finish_and_clear();
     }
     ensure!(!values.is_empty(), "no surface stays in sight in any sequence of the test set");
-    Ok((values, scenes))
+    Ok(Outcome { values, scenes })
 }
 
 /// A row a method, then truth's own change.
@@ -163,7 +207,8 @@ fn printed(methods: &[MeasuredMethod<'_>], values: &Table) -> String {
         row
     };
     let columns = COLUMNS.map(|[_, head]| head);
-    let mut head = [&["method", "quality"][..], &columns].concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
+    let mut head =
+        [&["method", "quality"][..], &columns].concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
     head.extend(own.map(|_| format!("flicker of `{LEARNED}` less it")));
     let truth = [TRUTH, "its own change", ""].map(str::to_owned).into_iter();
     let change = text(estimate(&values[&format!("flicker_{TRUTH}")]), "flicker", false);

@@ -93,8 +93,8 @@ pub fn open(folders: &[PathBuf], effect: Effect, scenes: Option<&Path>) -> Resul
 fn read(folder: &Path, effect: Effect) -> Result<TestSet> {
     ensure!(
         TestSet::is_in(folder),
-        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-rivals.toml --out {0}` makes \
-         a small one of six scenes, {effect}-test.toml a large one, and --testset says where another is",
+        "no test set in {0}; `deepshade dataset testset dataset/recipes/{effect}-test.toml --out {0}` makes \
+         one, and --testset says where another is",
         folder.display()
     );
     let set = TestSet::open(folder)?;

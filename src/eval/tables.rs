@@ -29,8 +29,9 @@ pub fn print(effect: Effect, outcome: &EvaluationOutcome) -> Result<()> {
     let pairs = outcome.pairs();
     if !pairs.is_empty() {
         say!(
-            "\n`{LEARNED}` less the best by SSIM of the methods that take as long on the same device, or the \
-             slowest where none does, on the same frames; better is more of SSIM and PSNR, less of FLIP and relMSE"
+            "\n`{LEARNED}` less the best by SSIM of the methods that take no longer on the same device, or the \
+             fastest where all take longer, on the same frames; better is more of SSIM and PSNR, less of FLIP \
+             and relMSE"
         )?;
         say!("{}", table::aligned(&differences(&pairs)))?;
     }

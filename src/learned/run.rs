@@ -69,7 +69,7 @@ mod tests {
             std::fs::write(folder.path().join(CONFIG_FILE), json).expect("written");
             spec(folder.path()).expect("a spec").environment
         };
-        assert_eq!(environment(&recipe("ibl-paper.toml")), Some(TrainedUnder::Sky(1)));
+        assert_eq!(environment(&recipe("ibl.toml")), Some(TrainedUnder::Sky(1)));
         assert_eq!([recipe("ao.toml"), recipe("gone.toml")].map(|data| environment(&data)), [None, None]);
     }
 

@@ -20,17 +20,15 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 11] = [
+const MEASURED: [Effect; 9] = [
     Effect::Aa,
     Effect::Ao,
     Effect::Do,
     Effect::Dof,
-    Effect::FogDirect,
     Effect::Gi,
     Effect::MotionBlur,
     Effect::Multi,
     Effect::OccludedIbl,
-    Effect::PhosphorGi,
     Effect::Sss,
 ];
 /// Channels of the corrected network at half the resolution.
@@ -42,10 +40,9 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
         Effect::Gi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
         Effect::OccludedIbl => {
-            vec![of("occluded-prefiltered", "high"), of("gtao", "high").of(Effect::Ao)]
+            vec![of("occluded-prefiltered", "medium"), of("gtao", "medium").of(Effect::Ao)]
         }
         Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
-        Effect::FogDirect => vec![of("froxel", "low")],
         Effect::Dof => vec![of("ring-gather", "high")],
         Effect::Multi => vec![of("occluded-gather", "high")],
         Effect::MotionBlur => vec![of("reconstruction", "high")],

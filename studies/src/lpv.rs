@@ -69,7 +69,7 @@ use subject::LpvFrame;
     the fog of a closed room over truth's; leak_LOOKUP the light seen behind a wall thinner than \
     a cell over that before it.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed. Several times for images of
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed. Several times for images of
     /// several; stages are timed on the first.
     #[arg(long, default_value = "colonnade:1")]
     scene: Vec<SceneSource>,

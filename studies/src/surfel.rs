@@ -44,7 +44,7 @@ const WARM_UP_TIME: Duration = Duration::from_millis(500);
     768x512, surfels and their tree included, and the patches that they lie on. area_error is by how much \
     the areas of the surfels miss that of the scene's surface.")]
 pub struct Args {
-    /// A scene file (.gltf, .glb, .obj) or a procedural family and a seed, such as stairs:7.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7.
     #[arg(long, default_value = "colonnade:1")]
     scene: SceneSource,
     /// Sizes of the image.

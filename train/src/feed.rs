@@ -13,6 +13,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Pairs that a stream may be ahead of those that are kept.
 const AHEAD: usize = 16;
+/// Pairs that a training begins with. Rendering all of a window first took minutes.
+const FIRST_PAIRS: usize = 24;
+/// Images for each pair that a window then grows by.
+const IMAGES_A_PAIR: usize = 8;
 
 /// How a run takes pairs from a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,7 +24,7 @@ const AHEAD: usize = 16;
 pub struct Endless {
     /// How often a pair is used, on average.
     pub uses: usize,
-    /// Pairs in memory, of which each image is cut from any.
+    /// Pairs in memory, of which each image is cut from any; less at the beginning.
     pub window: usize,
 }
 
@@ -32,6 +36,12 @@ impl Endless {
     /// The first pair of the window at a position of the training.
     const fn first(self, position: usize) -> usize {
         position / self.uses
+    }
+
+    /// The pair that the image at a position of the training is cut from.
+    fn pair(self, seed: u64, position: usize) -> usize {
+        let window = self.window.min(FIRST_PAIRS + position / IMAGES_A_PAIR);
+        self.first(position) + Rng::new(seed, Purpose::Order, position as u64).below(window)
     }
 }
 
@@ -128,10 +138,9 @@ impl Feed {
                 Ok((index, cache.pair(index)?))
             }
             Self::Streamed(streamed) => {
-                let first = streamed.endless.first(position);
-                let mut rng = Rng::new(seed, Purpose::Order, position as u64);
-                let number = first + rng.below(streamed.endless.window);
-                Ok((number, streamed.pair(first, number)?))
+                let endless = streamed.endless;
+                let number = endless.pair(seed, position);
+                Ok((number, streamed.pair(endless.first(position), number)?))
             }
         }
     }
@@ -154,12 +163,21 @@ mod tests {
         let endless = Endless { uses: 6, window: 20 };
         let mut counts = vec![0usize; 400];
         for position in 0..6 * 300 {
-            let mut rng = Rng::new(7, Purpose::Order, position as u64);
-            counts[endless.first(position) + rng.below(endless.window)] += 1;
+            counts[endless.pair(7, position)] += 1;
         }
         // Those that the window has held from its end to its beginning.
         let whole = &counts[20..280];
         let mean = whole.iter().sum::<usize>() as f64 / whole.len() as f64;
         assert!((mean - 6.0).abs() < 0.2, "{mean}");
+    }
+
+    #[test]
+    fn a_training_begins_with_few_pairs_and_ends_with_its_whole_window() {
+        let endless = Endless { uses: 32, window: 192 };
+        let most = |positions: std::ops::Range<usize>| {
+            positions.map(|position| endless.pair(7, position) - endless.first(position)).max()
+        };
+        assert!(most(0..8).is_some_and(|most| most < FIRST_PAIRS));
+        assert!(most(10_000..20_000).is_some_and(|most| most > 180 && most < 192));
     }
 }

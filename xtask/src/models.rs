@@ -27,11 +27,17 @@ struct Budget {
     crop: u32,
     /// The optimiser's highest rate.
     rate: &'static str,
-    /// The network's default radius as a share of a scene's diagonal, where the recipe has metres.
-    share: Option<&'static str>,
-    /// Of a network that is trained on views that are rendered while it trains. None where pairs are made
-    /// before, of the recipe of its name.
-    streamed: Option<Streamed>,
+    /// What it is trained on.
+    data: Data,
+}
+
+/// What a network is trained on.
+#[derive(Clone, Copy)]
+enum Data {
+    /// Pairs that are made before, by the recipe of this name.
+    Pairs(&'static str),
+    /// Views that are rendered while it trains.
+    Streamed(Streamed),
 }
 
 /// How a network is trained on views without end, and tested.
@@ -80,6 +86,13 @@ const DO: Task = Task {
     qualities: "low,medium,high",
 };
 
+const OCCLUDED_IBL: Task = Task {
+    stream: "occluded-ibl",
+    tests: &[("testset", "occluded-ibl-test")],
+    methods: "learned,occluded-prefiltered",
+    qualities: "low,medium,high",
+};
+
 const DOF: Task = of_filter("dof", &[("testset", "dof-test")], "learned,ring-gather");
 
 const MOTION_BLUR: Task =
@@ -101,97 +114,69 @@ const fn of_filter(
 /// The shipped networks, cheap ones first.
 ///
 /// One core trains some 60 crops of 128 x 128 pixels a second of networks with 16 first kernels, 40 of
-/// `ibl-paper`. It makes a pair with 64 samples in five seconds. So data take half an hour, training about as long,
-/// and the runs of half and a quarter of the steps three quarters of that.
+/// `ibl-paper`. It makes a pair with 64 samples in five seconds. So data take half an hour, training about as
+/// long, and the runs of half and a quarter of the steps three quarters of that.
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
 const BUDGETS: [Budget; 14] = [
-    Budget { name: "aa", steps: 1_200, streamed: on(&AA, ["corrected", "12", "fxaa:high"]), ..FILTER },
-    Budget {
-        name: "dof",
-        steps: 2_500,
-        streamed: on(&DOF, ["corrected", "16", "ring-gather:high"]),
-        ..FILTER
-    },
+    Budget { name: "aa", steps: 1_200, data: on(&AA, ["corrected", "12", "fxaa:high"]), ..FILTER },
+    Budget { name: "dof", steps: 2_500, data: on(&DOF, ["corrected", "16", "ring-gather:high"]), ..FILTER },
     Budget {
         name: "motion-blur",
         steps: 2_000,
-        streamed: on(&MOTION_BLUR, ["corrected", "16", "reconstruction:high"]),
+        data: on(&MOTION_BLUR, ["corrected", "16", "reconstruction:high"]),
         ..FILTER
     },
-    Budget {
-        name: "sss",
-        steps: 2_000,
-        streamed: on(&SSS, ["corrected", "16", "separable:ultra"]),
-        ..FILTER
-    },
-    Budget { name: "gi", steps: 9_000, streamed: on(&GI, ["corrected", "16", "surfel:medium"]), ..CORRECTED },
+    Budget { name: "sss", steps: 2_000, data: on(&SSS, ["corrected", "16", "separable:ultra"]), ..FILTER },
+    Budget { name: "gi", steps: 9_000, data: on(&GI, ["corrected", "16", "surfel:medium"]), ..CORRECTED },
     Budget {
         name: "gi-paper",
         steps: 16_000,
         batch: 4,
         crop: 128,
         rate: "0.003",
-        share: None,
-        streamed: None,
+        data: Data::Pairs("gi-paper"),
     },
-    Budget { name: "do", steps: 5_000, streamed: on(&DO, ["corrected", "16", "ssdo:medium"]), ..CORRECTED },
+    Budget { name: "do", steps: 5_000, data: on(&DO, ["corrected", "16", "ssdo:medium"]), ..CORRECTED },
+    Budget {
+        name: "occluded-ibl",
+        steps: 4_000,
+        data: on(&OCCLUDED_IBL, ["corrected", "16", "occluded-prefiltered:medium"]),
+        ..CORRECTED
+    },
     Budget {
         name: "do-paper",
         steps: 20_000,
         batch: 4,
         crop: 128,
         rate: "0.004",
-        share: None,
-        streamed: None,
+        data: Data::Pairs("do-paper"),
     },
     Budget {
         name: "multi",
         steps: 1_500,
-        streamed: on(&MULTI, ["corrected", "16", "occluded-gather:high"]),
+        data: on(&MULTI, ["corrected", "16", "occluded-gather:high"]),
         ..FILTER
     },
-    Budget {
-        name: "real",
-        steps: 20_000,
-        batch: 4,
-        crop: 128,
-        rate: "0.004",
-        share: Some("0.04"),
-        streamed: None,
-    },
-    Budget { name: "ao", steps: 11_000, streamed: on(&AO, ["corrected", "24", "gtao:high"]), ..CORRECTED },
-    Budget {
-        name: "ao-small",
-        steps: 8_500,
-        streamed: on(&AO, ["corrected", "12", "gtao:low"]),
-        ..CORRECTED
-    },
-    Budget { name: "ao-paper", streamed: on(&AO, ["paper", "24", "gtao:high"]), ..CORRECTED },
-    Budget {
-        name: "ibl-paper",
-        steps: 64_000,
-        batch: 4,
-        crop: 128,
-        rate: "0.005",
-        share: None,
-        streamed: None,
-    },
+    Budget { name: "ao", steps: 11_000, data: on(&AO, ["corrected", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ao-small", steps: 8_500, data: on(&AO, ["corrected", "12", "gtao:low"]), ..CORRECTED },
+    Budget { name: "ao-paper", data: on(&AO, ["paper", "24", "gtao:high"]), ..CORRECTED },
+    Budget { name: "ibl-paper", steps: 64_000, batch: 4, crop: 128, rate: "0.005", data: Data::Pairs("ibl") },
 ];
 
 /// What networks on views without end have in common. Two cores train some nine crops a second of `ao`,
 /// fourteen of `ao-small`, eight of `gi` and of `do`, while they render the views: half an hour to an hour
 /// and a half.
 const CORRECTED: Budget =
-    Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", share: None, streamed: None };
+    Budget { name: "", steps: 8_000, batch: 4, crop: 256, rate: "0.002", data: Data::Pairs("") };
 
 /// The same of networks that correct a filter of light, which is nearer to truth: steps that are too long
 /// lead away from it.
 const FILTER: Budget = Budget { rate: "0.001", ..CORRECTED };
 
-const fn on(task: &'static Task, network: [&'static str; 3]) -> Option<Streamed> {
-    Some(Streamed { task, network })
+const fn on(task: &'static Task, network: [&'static str; 3]) -> Data {
+    Data::Streamed(Streamed { task, network })
 }
 
 /// How often a view is used on average. With the default, 8, rendering was half of the time.
@@ -240,11 +225,16 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// The steps from a recipe to a model with its figures.
 fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
-    if let Some(streamed) = budget.streamed {
-        return streamed_steps(budget, streamed, work);
+    match budget.data {
+        Data::Pairs(recipe) => paired_steps(budget, recipe, work),
+        Data::Streamed(streamed) => streamed_steps(budget, streamed, work),
     }
-    let Budget { name, steps, batch, crop, rate, share, .. } = budget;
-    let recipe = |suffix: &str| format!("dataset/recipes/{name}{suffix}.toml");
+}
+
+/// The steps of a network on pairs that are made before, by a recipe of this name.
+fn paired_steps(budget: &Budget, recipe: &str, work: &Path) -> Vec<(&'static str, Command)> {
+    let Budget { name, steps, batch, crop, rate, .. } = budget;
+    let recipe = |suffix: &str| format!("dataset/recipes/{recipe}{suffix}.toml");
     let folder = |of: &str| work.join(of).join(name).display().to_string();
     let (data, run, testset) = (folder("data"), folder("runs"), folder("testsets"));
     let (model, metrics) = (format!("models/{name}"), format!("{testset}.json"));
@@ -253,10 +243,9 @@ fn steps(budget: &Budget, work: &Path) -> Vec<(&'static str, Command)> {
     let [batch, crop] = [batch, crop].map(u32::to_string);
     // No early stop: the rate falls until the last step.
     let budget = ["--batch", &batch, "--crop", &crop, "--rate", rate, "--patience", "0"];
-    let share = share.map_or_else(Vec::new, |share| vec!["--diagonal-share", share]);
     let training = |out: &str, steps: u32| {
         let words = ["train", "--dataset", &data, "--out", out, "--steps", &steps.to_string()];
-        deepshade(&[&words[..], &budget[..], &share[..]].concat())
+        deepshade(&[&words[..], &budget[..]].concat())
     };
     let [half, quarter] = ["half", "quarter"].map(|part| format!("{run}-{part}"));
     let forecast = ["--plot", &format!("{run}.svg"), "--json", &format!("{run}.json")];
@@ -323,19 +312,25 @@ mod tests {
 
     #[test]
     fn every_network_has_its_recipes_and_crops_that_fit() {
-        for Budget { name, crop, share, streamed, .. } in &BUDGETS {
-            let own = vec![(*name).to_owned(), format!("{name}-test")];
-            let shared = |Streamed { task, .. }| {
+        for Budget { name, crop, data, .. } in &BUDGETS {
+            let shared = |Streamed { task, .. }| -> Vec<String> {
                 let tests = task.tests.iter().map(|(_, test)| *test);
                 [task.stream].into_iter().chain(tests).map(str::to_owned).collect()
             };
-            for recipe in streamed.map_or(own, shared) {
+            let recipes = match data {
+                Data::Pairs(recipe) => vec![(*recipe).to_owned(), format!("{recipe}-test")],
+                Data::Streamed(streamed) => shared(*streamed),
+            };
+            for recipe in recipes {
                 let file = root().join(format!("dataset/recipes/{recipe}.toml"));
                 let text = std::fs::read_to_string(&file).expect("a recipe of that name");
                 let height = text.split("height = ").nth(1).and_then(|rest| rest.split(',').next());
                 let height: u32 = height.and_then(|number| number.trim().parse().ok()).expect("a height");
                 assert!(*crop <= height && crop.is_multiple_of(8), "{name}: {recipe}");
-                assert_eq!(text.contains("radius = { metres"), share.is_some(), "{name}: {recipe}");
+                assert!(
+                    !text.contains("radius = { metres"),
+                    "{name}: {recipe} leaves the default radius open"
+                );
             }
         }
     }
@@ -345,7 +340,8 @@ mod tests {
         // `deepshade train` validates every 500 steps by default, and `deepshade-studies forecast` wants four
         // validations of a run.
         // Views without end have no runs of half and a quarter.
-        for Budget { name, steps, .. } in BUDGETS.iter().filter(|budget| budget.streamed.is_none()) {
+        let paired = BUDGETS.iter().filter(|budget| matches!(budget.data, Data::Pairs(_)));
+        for Budget { name, steps, .. } in paired {
             assert!(steps / 4 / 500 >= 4, "{name}");
         }
     }

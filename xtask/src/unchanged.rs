@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// Every effect.
 const EFFECTS: &str = "ao,do,gi,glossy,ibl,sss,subsurface,dof,motion-blur,aa,multi,fog-direct,fog-indirect,\
-                       fog-multiple,phosphor,phosphor-gi,path,real";
+                       fog-multiple,phosphor,phosphor-gi,path,real,occluded-ibl";
 
 /// What methods shade: a room with lamps, and things that stand under the sky.
 const SCENES: [&str; 2] = ["room:7", "still-life:7"];

@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn images_have_skies_of_a_pool_and_those_of_tests_are_others() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/ibl-paper.toml");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/ibl.toml");
         let recipe = Recipe::load(&path).expect("a sound recipe");
         let vary = Vary { environment: Some(Surroundings::Skies(3)), ..Vary::default() };
         let training = Recipe { vary: Some(vary), ..recipe };

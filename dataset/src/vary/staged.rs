@@ -111,7 +111,8 @@ impl<'a> StagedScene<'a> {
         self.recipe.radius.of_view(seed, self.base.diagonal(), pixel)
     }
 
-    pub(super) fn size(&self, seed: u32) -> [usize; 2] {
+    /// Rows and columns of an image with this seed.
+    pub fn size(&self, seed: u32) -> [usize; 2] {
         self.recipe.size(seed)
     }
 
@@ -179,13 +180,7 @@ impl<'a> StagedScene<'a> {
     /// How far every vertex of every mesh of a shown scene goes from one frame of a sequence to the next: as
     /// it does while the shutter is open; where it stands still then, for three of four things a way that is
     /// drawn, of so many pixels.
-    pub fn ways(
-        &self,
-        shown: &TracedScene,
-        camera: &Camera,
-        pixels: [f32; 2],
-        seed: u32,
-    ) -> Vec<Vec<Vec3>> {
+    pub fn ways(&self, shown: &TracedScene, camera: &Camera, pixels: [f32; 2], seed: u32) -> Vec<Vec<Vec3>> {
         motion::displacements(shown, camera, self.size(seed), pixels, seed)
     }
 

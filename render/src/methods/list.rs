@@ -8,8 +8,8 @@ use super::shafts::{Integration, Shafts};
 use super::subsurface::FromScreen;
 use super::{
     Quality, aov, composed, epipolar, epipolar_sampling, fog_march, froxel, fxaa, gather, gpu_epipolar, gtao,
-    hbao, min_max, occluded_gather, occluded_prefiltered, phosphor, prefiltered, ray_march, reconstruction, ring_gather,
-    screen_truth, separable, ssdo, ssgi, surfel, volume_shell,
+    hbao, min_max, occluded_gather, occluded_prefiltered, phosphor, prefiltered, ray_march, reconstruction,
+    ring_gather, screen_truth, separable, ssdo, ssgi, surfel, volume_shell,
 };
 use crate::method::Method;
 use crate::screen::{ScreenMethod, Technique};

@@ -182,6 +182,12 @@ pub fn spotted() -> Environment {
         .expect("radiance")
 }
 
+/// Coloured light from everywhere, all texels different.
+pub fn coloured() -> Environment {
+    let texel = |i: usize| Vec3::from_array([5, 7, 11].map(|k| 1.0 + ((i * k) as f32).sin()));
+    Environment::new("coloured".as_ref(), 16, 8, (0..16 * 8).map(texel).collect()).expect("radiance")
+}
+
 /// Integral over the sphere of an environment's radiance times a kernel, by the rule of midpoints.
 pub fn integral(environment: &Environment, kernel: impl Fn(Vec3) -> Vec3) -> Vec3 {
     let (rows, columns) = (512, 1024);

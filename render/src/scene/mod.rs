@@ -18,6 +18,8 @@ pub mod mesh;
 mod mesh_list;
 mod naming;
 pub mod obj;
+pub mod ply;
+mod polygon;
 pub mod procedural;
 pub mod source;
 pub mod summary;
@@ -112,15 +114,15 @@ pub enum SceneError {
         /// How many would fit.
         most: usize,
     },
-    /// The ending says neither glTF nor OBJ.
-    #[error("{path}: not a scene file that is known here (.gltf, .glb, .obj)")]
+    /// The ending says neither glTF nor OBJ nor PLY.
+    #[error("{path}: not a scene file that is known here (.gltf, .glb, .obj, .ply)")]
     UnknownFormat {
         /// Which file.
         path: PathBuf,
     },
     /// Neither a scene file nor a seed of a family.
     #[error(
-        "`{text}` is neither a scene file (.gltf, .glb, .obj) nor a family and a seed such as `stairs:7`"
+        "`{text}` is neither a scene file (.gltf, .glb, .obj, .ply) nor a family and a seed such as `stairs:7`"
     )]
     UnknownSource {
         /// What was asked for.
@@ -144,8 +146,8 @@ impl SceneError {
 }
 
 impl Scene {
-    /// Reads a glTF 2.0 (.gltf, .glb) or Wavefront (.obj) file, with animations, skins and morph targets at
-    /// `time` seconds.
+    /// Reads a glTF 2.0 (.gltf, .glb), Wavefront (.obj) or polygon (.ply) file, with animations, skins and
+    /// morph targets at `time` seconds.
     ///
     /// # Errors
     /// If a file is missing, damaged or unsupported, or holds no triangle with an area.
@@ -166,6 +168,7 @@ impl Scene {
         let mut scene = match ending(path).as_str() {
             "gltf" | "glb" => gltf::load(path, time, shutter)?,
             "obj" => obj::load(path)?,
+            "ply" => ply::load(path)?,
             _ => return Err(SceneError::UnknownFormat { path: path.to_owned() }),
         };
         scene.drop_degenerate_triangles();

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
 /// Endings of scene files, small letters.
-const ENDINGS: [&str; 3] = ["gltf", "glb", "obj"];
+const ENDINGS: [&str; 4] = ["gltf", "glb", "obj", "ply"];
 
-/// Where a scene comes from: `path/to/file.gltf` (.glb, .obj) or `family:seed`, such as `stairs:7`. That is
+/// Where a scene comes from: `path/to/file.gltf` (.glb, .obj, .ply) or `family:seed`, such as `stairs:7`. That is
 /// how it is read, displayed and stored.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]

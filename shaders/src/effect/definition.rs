@@ -21,7 +21,8 @@ pub struct Definition {
     /// Its value where no surface is seen, which every method's image has there; `None` of effects that reach
     /// beyond the surface's pixel, as blur does, and have a value of their own there.
     pub background: Option<f32>,
-    /// The least and the greatest number that an image can hold: shares are 0 to 1, light is never negative.
+    /// The least and the greatest number that an image can hold: shares are 0 to 1, light is never negative,
+    /// a photograph ends at white, which is 1.
     pub range: [f32; 2],
     /// The image of whoever computes nothing, which a method must be better than.
     pub doing_nothing: DoingNothing,

@@ -1,11 +1,10 @@
 // How what is seen at a pixel reflects light specularly to the eye: GGX microfacets with Schlick's Fresnel
 // (glTF 2.0, appendix B). The plain version is render/src/methods/lobe.rs.
 
+#import shared/facets
+
 // Narrower lobes are below what directions resolve.
 const NARROWEST_ALPHA = 1e-3;
-const INVERSE_PI = 0.31830989;
-// The grazing reflectance is 1 for specular colours from here on.
-const FULL_GRAZING = 0.02;
 
 struct Lobe {
     normal: vec3f,
@@ -32,17 +31,11 @@ fn shines(lobe: Lobe) -> bool {
     return is_seen(lobe) && any(lobe.specular > vec3f(0.0));
 }
 
-// Smith's lambda, by the cosine of a direction to the normal.
-fn hidden_facets(cosine: f32, alpha: f32) -> f32 {
-    return 0.5 * (sqrt(1.0 + alpha * alpha * (1.0 / (cosine * cosine) - 1.0)) - 1.0);
-}
-
-// Area of the microfacets with a normal, per area and steradian.
-fn facet_density(lobe: Lobe, facet: vec3f) -> f32 {
+// Area of its microfacets with a normal, per area and steradian.
+fn lobe_facets(lobe: Lobe, facet: vec3f) -> f32 {
     let cosine = dot(lobe.normal, facet);
     let off = facet - cosine * lobe.normal;
-    let all = dot(off, off) / (lobe.alpha * lobe.alpha) + cosine * cosine;
-    return INVERSE_PI / (lobe.alpha * lobe.alpha * all * all);
+    return facet_density(lobe.alpha, cosine, dot(off, off));
 }
 
 // The facets that mirror a direction to the eye.
@@ -52,17 +45,14 @@ fn facet_between(lobe: Lobe, light: vec3f) -> vec3f {
 }
 
 fn fresnel(lobe: Lobe, facet: vec3f) -> vec3f {
-    let largest = max(lobe.specular.x, max(lobe.specular.y, lobe.specular.z));
-    let added = max(vec3f(min(largest / FULL_GRAZING, 1.0)) - lobe.specular, vec3f(0.0));
-    let off = clamp(1.0 - dot(lobe.viewer, facet), 0.0, 1.0);
-    return lobe.specular + added * (off * off) * (off * off) * off;
+    return fresnel_at(fresnel_of(lobe.specular), dot(lobe.viewer, facet));
 }
 
 // Density with which visible facets mirror the eye's direction into one, per steradian (Heitz 2018).
 fn lobe_density(lobe: Lobe, light: vec3f) -> f32 {
     let to_viewer = dot(lobe.normal, lobe.viewer);
     let hidden = hidden_facets(to_viewer, lobe.alpha);
-    return facet_density(lobe, facet_between(lobe, light)) / (4.0 * to_viewer * (1.0 + hidden));
+    return lobe_facets(lobe, facet_between(lobe, light)) / (4.0 * to_viewer * (1.0 + hidden));
 }
 
 // Share of what those facets mirror that no other facet stops; of a white surface, reflectance times the

@@ -1,4 +1,4 @@
-/// What `methods/prefiltered/shade` reads.
+/// The image of `methods/prefiltered` and `methods/occluded-prefiltered`.
 struct Prefiltered {
     /// Columns of the image.
     width: u32,

@@ -3,8 +3,8 @@
 use super::steadiness::{FrameChanges, Steadiness};
 use crate::eval::rivals::Rival;
 use anyhow::Result;
-use deepshade_dataset::testset::FrameRecord;
 use deepshade_dataset::StagedScene;
+use deepshade_dataset::testset::FrameRecord;
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
 use deepshade_render::method::{Frame, Repeats};
@@ -15,6 +15,7 @@ use deepshade_render::screen::reprojection::ReprojectionParameters;
 use deepshade_render::screen::reprojection::reference::{Two, mixed, since};
 use deepshade_shaders::{Attribute, Effect, GBuffer, Planes, lists};
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 /// By how many pixels surfaces at the median depth move from a frame to the next as the camera does, to the
 /// left and down. They are no whole numbers, so that edges fall elsewhere between samples in each frame.
@@ -54,6 +55,8 @@ pub(super) struct Moment {
     pub methods: Vec<Planes>,
     /// Two halves of truth.
     pub truth: [Planes; 2],
+    /// Of all of its samples.
+    pub truth_mean: Planes,
 }
 
 /// What a camera sees of surfaces.
@@ -74,16 +77,16 @@ impl<'a> Sequence<'a> {
         scene: &'a TracedScene,
     ) -> Option<Self> {
         let camera = &record.camera;
-        let seen = staged.gbuffer(scene, camera, record.seed);
-        let depths = depths_of(scene, camera, [seen.height(), seen.width()]);
-        let pixel = (!depths.is_empty())
-            .then(|| lists::median(depths) as f32 / camera.focal_length(seen.height()))?;
+        let depths = depths_of(scene, camera, staged.size(record.seed));
+        let [height, _] = staged.size(record.seed);
+        let pixel =
+            (!depths.is_empty()).then(|| lists::median(depths) as f32 / camera.focal_length(height))?;
         let ways = staged.ways(scene, camera, THINGS, record.seed);
         Some(Self { of, record, staged, scene, ways, pixel })
     }
 
-    /// How steady each method is in so many frames, then the same of the mixed images, and truth's own change;
-    /// none where no surface stays in sight.
+    /// How steady each method is in so many frames, then the same of the mixed images, and truth's own
+    /// change; none where no surface stays in sight.
     ///
     /// # Errors
     /// As [`moment`](Self::moment).
@@ -128,8 +131,9 @@ impl<'a> Sequence<'a> {
         let shot = Shot::new(scene, &camera, size, record.radius);
         let seed = record.seed.wrapping_add(step as u32);
         let truth = Truth::render(effect, &shot, Goal::samples(SAMPLES), seed, |_, _| true);
+        let truth_mean = shown(&truth.estimate.mean);
         let truth = truth.halves.map(|half| shown(&half));
-        Ok(Moment { camera, surfaces: self.surfaces(scene, &camera, size)?, methods, truth })
+        Ok(Moment { camera, surfaces: self.surfaces(scene, &camera, size)?, methods, truth, truth_mean })
     }
 
     /// The scene with things moved by so many steps.
@@ -146,17 +150,18 @@ impl<'a> Sequence<'a> {
         let [height, width] = size;
         let all = geometry(scene, camera, size);
         let seen = all.seen()?;
+        let ways = &self.ways;
         let gone = |at: usize| {
             let pixel = Vec2::new((at % width) as f32 + 0.5, (at / width) as f32 + 0.5);
             let hit = scene.hit(camera.position, camera.direction(pixel, height, width), f32::INFINITY);
-            hit.filter(|hit| seen[at] && !self.ways[hit.mesh as usize].is_empty()).map_or(Vec3::ZERO, |hit| {
-                let ways = &self.ways[hit.mesh as usize];
+            hit.filter(|hit| seen[at] && !ways[hit.mesh as usize].is_empty()).map_or(Vec3::ZERO, |hit| {
+                let ways = &ways[hit.mesh as usize];
                 let triangle = scene.scene().meshes[hit.mesh as usize].triangles[hit.triangle as usize];
                 let [a, b, c] = triangle.map(|vertex| ways[vertex as usize]);
                 a + hit.barycentric.x * (b - a) + hit.barycentric.y * (c - a)
             })
         };
-        let gone = (0..height * width).map(gone).collect();
+        let gone = (0..height * width).into_par_iter().map(gone).collect();
         Ok(Surfaces { positions: all.select(&[Attribute::Position])?, gone, seen })
     }
 }
@@ -205,10 +210,5 @@ impl Moment {
 
     pub(super) const fn width(&self) -> usize {
         self.surfaces.positions.width()
-    }
-
-    pub(super) fn truth_mean(&self) -> Planes {
-        let [a, b] = &self.truth;
-        Planes::from_fn(a.channels(), a.height(), a.width(), |c, y, x| 0.5 * (a.at(c, y, x) + b.at(c, y, x)))
     }
 }

@@ -16,19 +16,21 @@ const BESIDE: usize = 8;
 
 /// What differs from a frame to the next, and from truth.
 pub(super) struct FrameChanges {
-    /// Of each surface that is seen in both frames and channel, the change in the images of each method, and
-    /// in two halves of truth.
-    changes: Compared,
-    /// Of each pixel behind what moves and channel, the values themselves.
-    behind: Compared,
+    /// Of surfaces that are seen in both frames: changes.
+    changes: SquaredSums,
+    /// Of pixels behind what moves: the values themselves.
+    behind: SquaredSums,
     /// Structural similarity of each method's image to truth.
     ssim: Vec<f64>,
 }
 
-/// Values of each method beside those of two halves of truth.
-struct Compared {
-    methods: Vec<Vec<f32>>,
-    truth: [Vec<f32>; 2],
+/// Sums of squares over pixels and channels, without truth's noise.
+struct SquaredSums {
+    /// Of what each method has and truth has not.
+    beyond: Vec<f64>,
+    /// Of truth's own values.
+    own: f64,
+    count: usize,
 }
 
 /// What is measured of a sequence.
@@ -52,17 +54,12 @@ impl FrameChanges {
         let taken = |image: &Planes| -> Vec<f32> {
             (0..image.channels()).flat_map(|c| left.iter().map(move |at| image.plane(c)[*at])).collect()
         };
-        let truth = now.truth_mean();
+        let changes_of_truth = [0, 1].map(|half| change((&now.truth[half], &before.truth[half])));
+        let truth_behind = [0, 1].map(|half| taken(&now.truth[half]));
         Self {
-            changes: Compared {
-                methods: now.methods.iter().zip(&before.methods).map(change).collect(),
-                truth: [0, 1].map(|half| change((&now.truth[half], &before.truth[half]))),
-            },
-            behind: Compared {
-                methods: now.methods.iter().map(taken).collect(),
-                truth: [0, 1].map(|half| taken(&now.truth[half])),
-            },
-            ssim: now.methods.iter().map(|image| ssim(image, &truth)).collect(),
+            changes: SquaredSums::of(now.methods.iter().zip(&before.methods).map(change), &changes_of_truth),
+            behind: SquaredSums::of(now.methods.iter().map(taken), &truth_behind),
+            ssim: now.methods.iter().map(|image| ssim(image, &now.truth_mean)).collect(),
         }
     }
 }
@@ -86,21 +83,17 @@ fn widened(values: impl Iterator<Item = bool>) -> Vec<bool> {
     (0..values.len()).map(|at| values[around(at)].contains(&true)).collect()
 }
 
-impl Compared {
-    /// Sum of the squares of what truth does not have, of one method.
-    fn beyond(&self, method: usize) -> f64 {
-        let [a, b] = &self.truth;
-        self.methods[method].iter().zip(a.iter().zip(b)).map(|(own, (a, b))| product(own - a, own - b)).sum()
-    }
-
-    /// Sum of the squares of truth's own values.
-    fn own(&self) -> f64 {
-        let [a, b] = &self.truth;
-        a.iter().zip(b).map(|(a, b)| product(*a, *b)).sum()
-    }
-
-    fn count(&self) -> usize {
-        self.truth[0].len()
+impl SquaredSums {
+    /// Of the values of each method, and of two halves of truth.
+    fn of(methods: impl Iterator<Item = Vec<f32>>, [a, b]: &[Vec<f32>; 2]) -> Self {
+        let halves = || a.iter().zip(b);
+        let beyond =
+            |own: Vec<f32>| own.iter().zip(halves()).map(|(own, (a, b))| product(own - a, own - b)).sum();
+        Self {
+            beyond: methods.map(beyond).collect(),
+            own: halves().map(|(a, b)| product(*a, *b)).sum(),
+            count: a.len(),
+        }
     }
 }
 
@@ -117,13 +110,13 @@ impl Steadiness {
     /// That of each method in a sequence; none where no surface stays in sight.
     pub(super) fn of(all: &[FrameChanges]) -> Option<Vec<Self>> {
         let methods = all.first()?.ssim.len();
-        let count = all.iter().map(|frame| frame.changes.count()).sum();
-        let behind = all.iter().map(|frame| frame.behind.count()).sum();
+        let count = all.iter().map(|frame| frame.changes.count).sum();
+        let behind = all.iter().map(|frame| frame.behind.count).sum();
         let method = |method: usize| {
             Some(Self {
                 ssim: all.iter().map(|frame| frame.ssim[method]).sum::<f64>() / all.len() as f64,
-                flicker: root_mean(all.iter().map(|frame| frame.changes.beyond(method)).sum(), count)?,
-                ghosts: root_mean(all.iter().map(|frame| frame.behind.beyond(method)).sum(), behind),
+                flicker: root_mean(all.iter().map(|frame| frame.changes.beyond[method]).sum(), count)?,
+                ghosts: root_mean(all.iter().map(|frame| frame.behind.beyond[method]).sum(), behind),
             })
         };
         (0..methods).map(method).collect()
@@ -131,8 +124,8 @@ impl Steadiness {
 
     /// Truth's own change in a sequence.
     pub(super) fn own_change(all: &[FrameChanges]) -> Option<f64> {
-        let count = all.iter().map(|frame| frame.changes.count()).sum();
-        root_mean(all.iter().map(|frame| frame.changes.own()).sum(), count)
+        let count = all.iter().map(|frame| frame.changes.count).sum();
+        root_mean(all.iter().map(|frame| frame.changes.own).sum(), count)
     }
 }
 
@@ -145,8 +138,8 @@ mod tests {
         (0..count).map(|i| scale * (random(i as u32, 0, seed, 0) - 0.5)).collect()
     }
 
-    fn nothing() -> Compared {
-        Compared { methods: vec![Vec::new(); 3], truth: Default::default() }
+    fn nothing() -> SquaredSums {
+        SquaredSums { beyond: vec![0.0; 3], own: 0.0, count: 0 }
     }
 
     #[test]
@@ -156,7 +149,7 @@ mod tests {
         let half = |seed| own.iter().zip(noise(COUNT, seed, 0.5)).map(|(own, noise)| own + noise).collect();
         let restless = own.iter().zip(noise(COUNT, 4, 0.1)).map(|(own, noise)| own + noise).collect();
         let still = vec![0.0; COUNT];
-        let changes = Compared { methods: vec![own.clone(), restless, still], truth: [half(2), half(3)] };
+        let changes = SquaredSums::of([own.clone(), restless, still].into_iter(), &[half(2), half(3)]);
         let all = [FrameChanges { changes, behind: nothing(), ssim: vec![1.0, 0.5, 0.0] }];
         let methods = Steadiness::of(&all).expect("surfaces");
         let truth = Steadiness::own_change(&all).expect("surfaces");
@@ -173,9 +166,10 @@ mod tests {
     fn an_error_behind_what_moves_is_a_ghost() {
         let values = || vec![0.5; 4];
         let ghostly = vec![0.5, 0.7, 0.5, 0.5];
-        let behind = Compared { methods: vec![values(), ghostly], truth: [values(), values()] };
-        let changes = Compared { methods: vec![vec![0.0]; 2], truth: [vec![0.0], vec![0.0]] };
-        let found = Steadiness::of(&[FrameChanges { changes, behind, ssim: vec![1.0; 2] }]).expect("surfaces");
+        let behind = SquaredSums::of([values(), ghostly].into_iter(), &[values(), values()]);
+        let changes = SquaredSums { beyond: vec![0.0; 2], own: 0.0, count: 1 };
+        let found =
+            Steadiness::of(&[FrameChanges { changes, behind, ssim: vec![1.0; 2] }]).expect("surfaces");
         assert_eq!(found[0].ghosts, Some(0.0));
         assert!(found[1].ghosts.is_some_and(|ghosts| (ghosts - 0.1).abs() < 1e-6), "{found:?}");
     }

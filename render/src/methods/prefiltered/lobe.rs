@@ -10,6 +10,7 @@
 use super::filter::LEVELS;
 use glam::{DVec2, Vec3};
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// Rows of the table: exponents `2^(row / 2) - 1`, up to that of the smoothest surface.
 pub const EXPONENTS: usize = 26;
@@ -21,13 +22,16 @@ pub const ANGLES: usize = 32;
 const STEPS: usize = 512;
 
 /// The table, row by row: energy, lean and level of each lobe.
-pub fn table() -> Vec<Vec3> {
-    let entry = |i: usize| {
-        let exponent = (0.5 * (i / ANGLES) as f64).exp2() - 1.0;
-        let cosine = ((i % ANGLES) as f64 / (ANGLES - 1) as f64).powi(2);
-        replacement(exponent, cosine)
-    };
-    (0..EXPONENTS * ANGLES).map(entry).collect()
+pub fn table() -> &'static [Vec3] {
+    static TABLE: LazyLock<Vec<Vec3>> = LazyLock::new(|| {
+        let entry = |i: usize| {
+            let exponent = (0.5 * (i / ANGLES) as f64).exp2() - 1.0;
+            let cosine = ((i % ANGLES) as f64 / (ANGLES - 1) as f64).powi(2);
+            replacement(exponent, cosine)
+        };
+        (0..EXPONENTS * ANGLES).map(entry).collect()
+    });
+    &TABLE
 }
 
 /// The lobe that replaces the one of an exponent around a direction at an angle to the normal: how much of

@@ -69,7 +69,10 @@ impl PrefilteredParameters {
     /// An environment as the pass reads it; black without one.
     fn filtered(&self, environment: Option<&Environment>) -> Filtered {
         let black = Environment::uniform(Vec3::ZERO);
-        Filtered { maps: filter::maps(environment.unwrap_or(&black), self.height), table: lobe::table() }
+        Filtered {
+            maps: filter::maps(environment.unwrap_or(&black), self.height),
+            table: lobe::table().to_vec(),
+        }
     }
 }
 

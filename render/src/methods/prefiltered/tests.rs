@@ -5,7 +5,7 @@ use crate::methods::proving::{
     Tolerance, agree, everything, mean_difference, on_gpu, prove_comparator, prove_twin, view,
 };
 use crate::path::bsdf::Phong;
-use crate::path::proving::{integral, spotted, with_environment};
+use crate::path::proving::{coloured, integral, spotted, with_environment};
 use crate::path::{self, Sampling, Shot};
 use crate::scene::procedural::sky;
 use crate::screen::ScreenMethod;
@@ -22,12 +22,6 @@ const TOLERANCE: Tolerance = Tolerance { usual: 1e-4, worst: 0.02 };
 
 /// Among neighbours of a sun that is a few texels large.
 const BESIDE_A_SUN: Tolerance = Tolerance { usual: 0.02, worst: 0.2 };
-
-/// Coloured light from everywhere, all texels different.
-fn coloured() -> Environment {
-    let texel = |i: usize| Vec3::from_array([5, 7, 11].map(|k| 1.0 + ((i * k) as f32).sin()));
-    Environment::new("coloured".as_ref(), 16, 8, (0..16 * 8).map(texel).collect()).expect("radiance")
-}
 
 /// Surfaces that face up, one a pixel, seen at an angle from the normal: width is the number of roughnesses.
 fn floor(degrees: f32, roughnesses: &[f32], diffuse: Vec3, specular: Vec3) -> GBuffer {

@@ -11,7 +11,7 @@ use std::f32::consts::TAU;
 /// Smoother surfaces have this lobe, whose exponent is 4,998.
 const NARROWEST_ALPHA: f32 = 0.02;
 
-/// The squared roughness by which a lobe is as wide as it is.
+/// The squared roughness that a lobe is as wide as, at least 0.02.
 pub fn phong_alpha(roughness: f32) -> f32 {
     (roughness * roughness).max(NARROWEST_ALPHA)
 }

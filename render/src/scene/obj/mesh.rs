@@ -1,7 +1,7 @@
 //! The faces of a run as a triangle mesh.
 
 use super::parse::{Corner, FaceRun, NONE, Obj};
-use super::polygon::{Cutter, area_vector};
+use crate::scene::polygon::{Cutter, area_vector};
 use crate::scene::{MaterialId, Mesh};
 use deepshade_shaders::colour;
 use glam::{Vec2, Vec3, Vec4};

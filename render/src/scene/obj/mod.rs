@@ -16,7 +16,6 @@ mod map_options;
 mod material;
 mod mesh;
 mod parse;
-mod polygon;
 mod statement;
 mod warnings;
 

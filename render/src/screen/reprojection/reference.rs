@@ -90,13 +90,7 @@ impl Two<'_> {
 
 /// What [`Two`] knows of a frame: from positions in camera space, `[3, height, width]`, of what is seen, and
 /// how far that has gone since the frame before, metres in world space.
-pub fn since(
-    positions: &Planes,
-    seen: &[bool],
-    gone: &[Vec3],
-    camera: &Camera,
-    before: &Camera,
-) -> Planes {
+pub fn since(positions: &Planes, seen: &[bool], gone: &[Vec3], camera: &Camera, before: &Camera) -> Planes {
     let [height, width] = [positions.height(), positions.width()];
     let mut since = Planes::filled(4, height, width, 0.0);
     for pixel in (0..height * width).filter(|pixel| seen[*pixel]) {

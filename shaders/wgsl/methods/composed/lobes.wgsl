@@ -2,6 +2,7 @@
 // g-buffer's light is, of colours of 1, and by microfacets over a base that gets what they let through
 // (render/src/path/bsdf.rs). Each by the base and by the specular lobe.
 
+#import shared/facets
 #import shared/lights
 #import shared/phong_lobe
 #import shared/surface
@@ -22,39 +23,13 @@
 @group(0) @binding(8) var<storage, read_write> lobes: array<f32>;
 
 const PI = 3.14159265;
-// As render/src/path/bsdf/fresnel.rs has them.
-const FULL_GRAZING = 0.02;
 const MEAN_OF_FIFTH = 1.0 / 22.0;
 
-struct Fresnel {
-    normal: vec3f,
-    added: vec3f,
-    inverse_mean: vec3f,
-}
-
-fn fresnel_of(specular: vec3f) -> Fresnel {
-    let grazing = min(max(specular.r, max(specular.g, specular.b)) / FULL_GRAZING, 1.0);
-    let added = max(vec3f(grazing) - specular, vec3f(0.0));
-    return Fresnel(specular, added, 1.0 / max(1.0 - specular - added * MEAN_OF_FIFTH, vec3f(1e-6)));
-}
-
-fn reflected(fresnel: Fresnel, cosine: f32) -> vec3f {
-    return fresnel.normal + fresnel.added * pow(clamp(1.0 - cosine, 0.0, 1.0), 5.0);
-}
-
-// Smith's lambda, by the cosine.
-fn hidden(alpha: f32, cosine: f32) -> f32 {
-    let squared = cosine * cosine;
-    return 0.5 * (sqrt(1.0 + alpha * alpha * max(1.0 - squared, 0.0) / squared) - 1.0);
-}
-
-// Microfacets with the GGX distribution, per steradian, without Fresnel's share (Walter et al. 2007).
+// Microfacets, per steradian, without Fresnel's share (Walter et al. 2007).
 fn facets(alpha: f32, viewer: f32, light: f32, halfway: f32) -> f32 {
-    let slope = max(1.0 - halfway * halfway, 0.0) / (alpha * alpha);
-    let all = slope + halfway * halfway;
-    let distribution = 1.0 / (PI * alpha * alpha * all * all);
-    let both = 1.0 / (1.0 + hidden(alpha, viewer) + hidden(alpha, light));
-    return distribution * both / (4.0 * viewer * light);
+    let density = facet_density(alpha, halfway, max(1.0 - halfway * halfway, 0.0));
+    let both = 1.0 / (1.0 + hidden_facets(viewer, alpha) + hidden_facets(light, alpha));
+    return density * both / (4.0 * viewer * light);
 }
 
 @compute @workgroup_size(TILE, TILE)
@@ -76,6 +51,7 @@ fn sum_lobes(@builtin(global_invocation_id) id: vec3u) {
             specular_planes[at], specular_planes[at + pixels], specular_planes[at + 2u * pixels]
         );
         let fresnel = fresnel_of(specular);
+        let inverse_mean = 1.0 / max(1.0 - specular - fresnel.added * MEAN_OF_FIFTH, vec3f(1e-6));
         let mirrored = 2.0 * seen * normal - to_camera;
         for (var i = 0u; i < LIGHTS; i++) {
             let arrived = arrival(lights[i], view.eye.xyz + offset);
@@ -91,9 +67,9 @@ fn sum_lobes(@builtin(global_invocation_id) id: vec3u) {
             }
             if seen > 0.0 {
                 let halfway = normalize(to_camera + arrived.direction);
-                let through = (1.0 - reflected(fresnel, seen)) * (1.0 - reflected(fresnel, cosine));
-                sums[2] += received / PI * through * fresnel.inverse_mean;
-                sums[3] += received * reflected(fresnel, dot(to_camera, halfway))
+                let through = (1.0 - fresnel_at(fresnel, seen)) * (1.0 - fresnel_at(fresnel, cosine));
+                sums[2] += received / PI * through * inverse_mean;
+                sums[3] += received * fresnel_at(fresnel, dot(to_camera, halfway))
                     * facets(alpha, seen, cosine, dot(normal, halfway));
             }
         }

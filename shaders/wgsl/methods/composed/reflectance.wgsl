@@ -1,5 +1,6 @@
 // What surfaces reflect to the eye of light that comes from everywhere alike.
 
+#import shared/facets
 #import shared/surface
 #import uniforms/frame_view
 
@@ -15,8 +16,6 @@
 // [3, height, width]
 @group(0) @binding(8) var<storage, read_write> reflectances: array<f32>;
 
-// Specular colours from here on reflect all light at grazing angles: render/src/path/bsdf/fresnel.rs.
-const FULL_GRAZING = 0.02;
 // Rows and columns of the table.
 const PLACES = 17u;
 
@@ -45,11 +44,9 @@ fn reflectance(at: u32, pixels: u32) -> vec3f {
     // Where no surface is seen its place is 0.
     let place = surface_position(at, pixels);
     let cosine = clamp(-dot(surface_normal(at, pixels), place) / max(length(place), 1e-30), 0.0, 1.0);
-    let grazing = min(max(specular.r, max(specular.g, specular.b)) / FULL_GRAZING, 1.0);
-    let added = max(vec3f(grazing) - specular, vec3f(0.0));
-    let fresnel = specular + added * pow(1.0 - cosine, 5.0);
+    let fresnel = fresnel_of(specular);
     let shares = specular_shares(1.0 - glossiness_plane[at], cosine);
-    return diffuse * (1.0 - fresnel) + specular * shares.x + added * shares.y;
+    return diffuse * (1.0 - fresnel_at(fresnel, cosine)) + specular * shares.x + fresnel.added * shares.y;
 }
 
 @compute @workgroup_size(TILE, TILE)
