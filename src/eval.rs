@@ -84,6 +84,8 @@ pub struct Args {
     #[arg(long)]
     testset: Option<Location>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
+    /// All frames, methods and qualities take hours: --frames 8 --quality high gives a first look, --methods
+    /// names those that count.
     #[arg(long, conflicts_with_all = ["effect", "set", "model", "testset", "curve"])]
     all: bool,
     /// Folder with a test set for each network, under its name; by default the one in the network's folder.

@@ -62,7 +62,9 @@ pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
     let place = folder.display();
     ensure!(
         is_network(folder),
-        "no network in {place}: train one (`deepshade train`) and bring it there (`deepshade export --run RUN --out {place}`)"
+        "no network in {place}{}: --model names one, `deepshade train` and `deepshade export --run RUN --out \
+         {place}` make one",
+        beside(folder)
     );
     #[cfg(feature = "train")]
     let model = if is_run(folder) { run::newest(folder)? } else { Model::load(folder)? };
@@ -71,6 +73,16 @@ pub fn network(folder: &Path, effect: Option<Effect>) -> Result<Model> {
     let (made, wanted) = (model.spec.effect, effect.unwrap_or(model.spec.effect));
     ensure!(made == wanted, "the network in {place} is for {made}, not for {wanted}");
     Ok(model)
+}
+
+/// The networks in the folder that one was looked for in, in words; nothing where there is none.
+fn beside(folder: &Path) -> String {
+    let entries = folder.parent().into_iter().flat_map(std::fs::read_dir).flatten().flatten();
+    let networks = entries.map(|entry| entry.path()).filter(|path| is_network(path));
+    let mut names: Vec<String> =
+        networks.filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())).collect();
+    names.sort();
+    if names.is_empty() { String::new() } else { format!("; there are {}", names.join(", ")) }
 }
 
 /// What a network reads of a renderer's g-buffer: its inputs, and what the others are made of.

@@ -68,13 +68,11 @@ impl Method for InPasses {
 }
 
 /// Effects that trained networks compute.
-const OF_NETWORKS: [Effect; 12] = [
+const OF_NETWORKS: [Effect; 10] = [
     Effect::Ao,
     Effect::Do,
     Effect::Gi,
     Effect::Ibl,
-    Effect::OccludedIbl,
-    Effect::PhosphorGi,
     Effect::Sss,
     Effect::Dof,
     Effect::MotionBlur,

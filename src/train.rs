@@ -46,15 +46,15 @@ pub struct Args {
     /// How often a view of --recipe is used, on average.
     #[arg(long, default_value_t = Endless::USUAL.uses, requires = "recipe")]
     uses: usize,
-    /// The network [default: corrected for aa, ao, dof, motion-blur, multi and sss, and for do, gi and
-    /// occluded-ibl where the data have what it reads, else paper].
+    /// The network [default: corrected for aa, ao, dof, motion-blur, multi and sss, and for do and gi where
+    /// the data have what it reads, else paper].
     #[arg(long, value_enum)]
     network: Option<Network>,
     /// Channels of the corrected network at half the resolution.
     #[arg(long, default_value_t = CHANNELS, value_parser = channels)]
     channels: usize,
     /// The estimate that the corrected network reads, METHOD:QUALITY [default: gtao:high for ao,
-    /// surfel:medium for gi, ssdo:medium for do, occluded-prefiltered:medium for occluded-ibl, ring-gather:high for dof, reconstruction:high for
+    /// surfel:medium for gi, ssdo:medium for do, ring-gather:high for dof, reconstruction:high for
     /// motion-blur, separable:ultra for sss, occluded-gather:high for multi, fxaa:high
     /// for aa].
     #[arg(long, value_parser = estimate)]

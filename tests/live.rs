@@ -130,7 +130,7 @@ fn a_network_is_measured_beside_other_methods() {
         "bench frame --scene room:1 --sizes 96x64 --frames 3 --quality low --methods ao:learned,aa:fxaa";
     let figures = case.figures(&format!("{line} --model {}", model()));
     assert!(number(&figures, "ms_learned") > 0.0 && number(&figures, "ms_fxaa") > 0.0);
-    case.assert_refused(line, "no network in models/ao: train one (`deepshade train`)");
+    case.assert_refused(line, "no network in models/ao: --model names one");
     case.assert_refused("bench frame --scene room:1 --methods ao:learned,ao:learned", "several networks");
     let without = "bench frame --scene room:1 --methods aa:fxaa --model models/ao";
     case.assert_refused(without, "--model means nothing");

@@ -165,21 +165,15 @@ impl NetSpec {
         reach: Reach,
     ) -> Option<Self> {
         use Attribute::{
-            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Glossiness, Light, Movement, Normal,
-            Openness, PixelRadius, RawOpenness, Relief, SignedCircle, Specular,
+            Border, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
+            RawOpenness, Relief, SignedCircle,
         };
         let local = [Normal, Relief, PixelRadius, Border];
         let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();
         let (inputs, of, over, levels) = match effect {
             Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
             Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
-            Effect::Do | Effect::PhosphorGi => {
-                ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2)
-            }
-            Effect::OccludedIbl => {
-                let surface = [Diffuse, Specular, Glossiness, Estimate, Openness];
-                ([&local[..], &surface].concat(), Estimate, Estimate, 2)
-            }
+            Effect::Do => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
             Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),

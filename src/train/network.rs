@@ -20,7 +20,7 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 9] = [
+const MEASURED: [Effect; 8] = [
     Effect::Aa,
     Effect::Ao,
     Effect::Do,
@@ -28,7 +28,6 @@ const MEASURED: [Effect; 9] = [
     Effect::Gi,
     Effect::MotionBlur,
     Effect::Multi,
-    Effect::OccludedIbl,
     Effect::Sss,
 ];
 /// Channels of the corrected network at half the resolution.
@@ -39,10 +38,6 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     match effect {
         Effect::Gi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
-        Effect::OccludedIbl => {
-            vec![of("occluded-prefiltered", "medium"), of("gtao", "medium").of(Effect::Ao)]
-        }
-        Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Dof => vec![of("ring-gather", "high")],
         Effect::Multi => vec![of("occluded-gather", "high")],
         Effect::MotionBlur => vec![of("reconstruction", "high")],

@@ -86,13 +86,6 @@ const DO: Task = Task {
     qualities: "low,medium,high",
 };
 
-const OCCLUDED_IBL: Task = Task {
-    stream: "occluded-ibl",
-    tests: &[("testset", "occluded-ibl-test")],
-    methods: "learned,occluded-prefiltered",
-    qualities: "low,medium,high",
-};
-
 const DOF: Task = of_filter("dof", &[("testset", "dof-test")], "learned,ring-gather");
 
 const MOTION_BLUR: Task =
@@ -119,7 +112,7 @@ const fn of_filter(
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
-const BUDGETS: [Budget; 14] = [
+const BUDGETS: [Budget; 13] = [
     Budget { name: "aa", steps: 1_200, data: on(&AA, ["corrected", "12", "fxaa:high"]), ..FILTER },
     Budget { name: "dof", steps: 2_500, data: on(&DOF, ["corrected", "16", "ring-gather:high"]), ..FILTER },
     Budget {
@@ -139,12 +132,6 @@ const BUDGETS: [Budget; 14] = [
         data: Data::Pairs("gi-paper"),
     },
     Budget { name: "do", steps: 5_000, data: on(&DO, ["corrected", "16", "ssdo:medium"]), ..CORRECTED },
-    Budget {
-        name: "occluded-ibl",
-        steps: 4_000,
-        data: on(&OCCLUDED_IBL, ["corrected", "16", "occluded-prefiltered:medium"]),
-        ..CORRECTED
-    },
     Budget {
         name: "do-paper",
         steps: 20_000,

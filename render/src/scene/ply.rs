@@ -96,6 +96,9 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 
 /// The mesh of a file's bytes, and what of it was passed over.
 fn mesh(name: &str, bytes: &[u8], most: usize) -> Result<(Mesh, Vec<String>), String> {
+    if !bytes.starts_with(b"ply") {
+        return Err("is no PLY file: it does not begin with `ply`".to_owned());
+    }
     let mut source = bytes;
     let ply = Parser::<Element>::new().read_ply(&mut source).map_err(|error| error.to_string())?;
     let none = Vec::new();
@@ -241,7 +244,7 @@ mod tests {
             for corner in 0i32..4 {
                 bytes.extend(if is_little { corner.to_le_bytes() } else { corner.to_be_bytes() });
             }
-            let (mesh, _) = super::mesh("square", &bytes, 99).expect("binary");
+            let (mesh, _) = mesh("square", &bytes, 99).expect("binary");
             assert_eq!(
                 (mesh.positions, mesh.triangles),
                 (expected.positions.clone(), expected.triangles.clone())
@@ -257,9 +260,11 @@ mod tests {
         assert!(refused(&square("", [""; 4]).replace("4 0 1 2 3", "3 0 1 7")).contains("the vertex 7"));
         assert!(refused(&square("", [""; 4]).replace("4 0 1 2 3", "3 0 1 -1")).contains("vertex_indices"));
         refused("ply\nformat ascii 1.0\nelement vertex 3\n");
+        assert!(refused("solid cube").contains("is no PLY file"));
         refused(&square("", [""; 4]).replace("1 1 0 \n", ""));
         assert!(mesh("square", square("", [""; 4]).as_bytes(), 1).is_err_and(|what| what.contains("memory")));
-        assert!(refused(&square("", [""; 4]).replace("1 1 0", "1 nan 0")).contains("not finite"));
+        let far = refused(&square("", [""; 4]).replace("1 1 0", "1 1e99 0"));
+        assert!(far.contains("not finite"), "{far}");
     }
 
     #[test]

@@ -53,6 +53,9 @@ pub(super) struct Moment {
     surfaces: Surfaces,
     /// The methods' images as shares of white, then those that are mixed with the frames before.
     pub methods: Vec<Planes>,
+    /// The methods' images with random numbers of this frame's own, where they are mixed with the frames
+    /// before: the mean is calmer than each.
+    mixed_in: Vec<Planes>,
     /// Two halves of truth.
     pub truth: [Planes; 2],
     /// Of all of its samples.
@@ -111,7 +114,7 @@ impl<'a> Sequence<'a> {
     }
 
     /// The frame after so many steps. What is random in methods stays the same, as it does in the estimates
-    /// of networks.
+    /// of networks, but in images that are mixed with the frames before.
     ///
     /// # Errors
     /// If things leave what can be traced, or a method fails.
@@ -125,15 +128,21 @@ impl<'a> Sequence<'a> {
         let frame =
             Frame { scene, camera: &camera, gbuffer: &gbuffer, radius: record.radius, seed: record.seed };
         let shown = |image: &Planes| exposed(image, record.exposure);
-        let shade = |rival: &Rival| Ok(shown(&rival.method.shade(&frame, Repeats::ONCE)?.image));
-        let methods = rivals.iter().map(shade).collect::<Result<_>>()?;
+        let shaded = |seed| -> Result<Vec<Planes>> {
+            let frame = Frame { seed, ..frame };
+            let shade = |rival: &Rival| Ok(shown(&rival.method.shade(&frame, Repeats::ONCE)?.image));
+            rivals.iter().map(shade).collect()
+        };
+        let methods = shaded(record.seed)?;
+        let seed = record.seed.wrapping_add(step as u32);
+        let mixed_in = if self.of.temporal { shaded(seed)? } else { Vec::new() };
         let size = [gbuffer.height(), gbuffer.width()];
         let shot = Shot::new(scene, &camera, size, record.radius);
-        let seed = record.seed.wrapping_add(step as u32);
         let truth = Truth::render(effect, &shot, Goal::samples(SAMPLES), seed, |_, _| true);
         let truth_mean = shown(&truth.estimate.mean);
         let truth = truth.halves.map(|half| shown(&half));
-        Ok(Moment { camera, surfaces: self.surfaces(scene, &camera, size)?, methods, truth, truth_mean })
+        let surfaces = self.surfaces(scene, &camera, size)?;
+        Ok(Moment { camera, surfaces, methods, mixed_in, truth, truth_mean })
     }
 
     /// The scene with things moved by so many steps.
@@ -190,9 +199,9 @@ impl Moment {
         let plain = self.methods.len();
         let mix = |method: usize| match before {
             Some((before, two)) => {
-                mixed(two, &self.methods[method], &before.methods[plain + method], &mixing)
+                mixed(two, &self.mixed_in[method], &before.methods[plain + method], &mixing)
             }
-            None => self.methods[method].clone(),
+            None => self.mixed_in[method].clone(),
         };
         let more: Vec<Planes> = (0..plain).map(mix).collect();
         self.methods.extend(more);

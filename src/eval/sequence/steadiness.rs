@@ -13,6 +13,8 @@ use deepshade_shaders::Planes;
 
 /// What counts as beside a thing that moves, pixels.
 const BESIDE: usize = 8;
+/// Values behind what moves that a figure is of, at least.
+const LEAST_BEHIND: usize = 256;
 
 /// What differs from a frame to the next, and from truth.
 pub(super) struct FrameChanges {
@@ -41,7 +43,7 @@ pub(super) struct Steadiness {
     /// Root mean square of the change that truth does not have, as a share of white.
     pub flicker: f64,
     /// Root mean square of the error of surfaces that stand still, beside what moved there one frame ago, as
-    /// a share of white; none where nothing moves.
+    /// a share of white; none where next to nothing moves.
     pub ghosts: Option<f64>,
 }
 
@@ -116,7 +118,8 @@ impl Steadiness {
             Some(Self {
                 ssim: all.iter().map(|frame| frame.ssim[method]).sum::<f64>() / all.len() as f64,
                 flicker: root_mean(all.iter().map(|frame| frame.changes.beyond[method]).sum(), count)?,
-                ghosts: root_mean(all.iter().map(|frame| frame.behind.beyond[method]).sum(), behind),
+                ghosts: root_mean(all.iter().map(|frame| frame.behind.beyond[method]).sum(), behind)
+                    .filter(|_| behind >= LEAST_BEHIND),
             })
         };
         (0..methods).map(method).collect()
@@ -164,8 +167,8 @@ mod tests {
 
     #[test]
     fn an_error_behind_what_moves_is_a_ghost() {
-        let values = || vec![0.5; 4];
-        let ghostly = vec![0.5, 0.7, 0.5, 0.5];
+        let values = || vec![0.5; LEAST_BEHIND];
+        let ghostly: Vec<f32> = (0..LEAST_BEHIND).map(|at| if at % 4 == 0 { 0.7 } else { 0.5 }).collect();
         let behind = SquaredSums::of([values(), ghostly].into_iter(), &[values(), values()]);
         let changes = SquaredSums { beyond: vec![0.0; 2], own: 0.0, count: 1 };
         let found =
