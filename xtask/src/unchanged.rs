@@ -13,8 +13,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 /// Every effect.
-const EFFECTS: &str = "ao,do,gi,glossy,ibl,sss,subsurface,dof,motion-blur,aa,multi,fog-direct,fog-indirect,\
-                       fog-multiple,phosphor,phosphor-gi,path,real,occluded-ibl";
+const EFFECTS: &str = "ao,do,gi,glossy,ibl,occluded-ibl,sss,subsurface,dof,motion-blur,aa,multi,fog-direct,\
+                       fog-indirect,fog-multiple,phosphor,phosphor-gi,path,real";
 
 /// What methods shade: a room with lamps, and things that stand under the sky.
 const SCENES: [&str; 2] = ["room:7", "still-life:7"];
