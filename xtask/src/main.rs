@@ -19,7 +19,6 @@ mod program;
 mod prove;
 mod python;
 mod release;
-mod site;
 mod targets;
 mod test;
 mod unchanged;
@@ -83,9 +82,6 @@ enum Verb {
     /// Makes all that people install into one folder with checksums: an archive, the packages for Debian, pip
     /// and npm, Blender's add-on, and the list of components.
     Release(release::Args),
-    /// Builds a static site into one folder, for any web server: the book (needs mdBook), the crates'
-    /// documentation, the web page and the networks.
-    Site(site::Args),
     /// Makes small data of every recipe, and every method's image of every effect on two scenes, and holds
     /// the hashes of all files against those that --write noted, on the same machine.
     Unchanged(unchanged::Args),
@@ -134,7 +130,6 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Fuzz(args) => fuzz::run(&args),
         Verb::Package(args) => package::run(&args),
         Verb::Release(args) => release::run(&args),
-        Verb::Site(args) => site::run(args),
         Verb::Unchanged(args) => unchanged::run(&args),
         Verb::Web(args) => web::run(args),
     }
