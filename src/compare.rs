@@ -75,8 +75,8 @@ pub struct Args {
     /// A comparison's TOML file. Options beside it take the place of what it says.
     #[arg(long)]
     config: Option<PathBuf>,
-    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7. May be given
-    /// several times.
+    /// A scene file (.gltf, .glb, .obj, .ply) or a procedural family and a seed, such as stairs:7. May be
+    /// given several times.
     #[arg(long, required_unless_present = "config")]
     scene: Vec<SceneSource>,
     /// What is computed, one effect or several; ao by default.

@@ -242,8 +242,8 @@ fn limits(spec: &NetSpec, recipe: &Recipe) -> Vec<String> {
     let one_radius = matches!(recipe.radius, Radius::Diagonal(_) | Radius::Metres(_));
     limits.extend(match recipe.effect {
         effect if effect.listens_to(EffectSetting::Radius) => one_radius.then_some(
-            "Its radius is fixed; other radii work by scaling lengths and get worse the further they are from the trained \
-             one.",
+            "Its radius is fixed; other radii work by scaling lengths and get worse the further they are from \
+             the trained one.",
         ),
         Effect::Aa => Some("The paper's table gives this network 1.2 k weights, which its text does not lead to: it gives 609."),
         Effect::Ibl => Some("The paper's table gives this network 3.9 k weights, which its text does not lead to: it gives 4,503."),

@@ -56,7 +56,8 @@ pub struct Args {
     #[arg(long)]
     scene: SceneSource,
     /// What is computed: ao, do, gi, glossy, ibl, occluded-ibl, sss, subsurface, dof, motion-blur, aa, multi,
-    /// fog-direct, fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the book says what each is.
+    /// fog-direct, fog-indirect, fog-multiple, phosphor, phosphor-gi, real or path; the book says what each
+    /// is.
     #[arg(long, default_value = "path")]
     effect: Effect,
     /// Which of the effect's light: of path emitted, direct, first-indirect (after one bounce) or rest.

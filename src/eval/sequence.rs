@@ -106,8 +106,8 @@ fn evaluated(
     let ghosts = outcome.values.iter().find(|(name, _)| name.starts_with("ghosts_"));
     let with_ghosts = ghosts.map_or(0, |(_, values)| values.len());
     say!(
-        "{}: {} sequences of {frames} frames in {} scenes, ghosts of {with_ghosts} of them. Surfaces at the median depth move by {:.1} pixels \
-         a frame, three of four things by {} to {} more or as they do while the shutter is open.\nFlicker: \
+        "{}: {} sequences of {frames} frames in {} scenes, ghosts of {with_ghosts} of them. Surfaces at the \
+         median depth move by {:.1} pixels a frame, three of four things by {} to {} more or as they do while the shutter is open.\nFlicker: \
          root mean square of the change of surfaces that truth does not have; ghosts: of the error beside \
          what moved there one frame ago; both in thousandths of white, 0 is calm. SSIM is to truth of few \
          samples, whose noise lowers it",

@@ -122,7 +122,8 @@ pub enum SceneError {
     },
     /// Neither a scene file nor a seed of a family.
     #[error(
-        "`{text}` is neither a scene file (.gltf, .glb, .obj, .ply) nor a family and a seed such as `stairs:7`"
+        "`{text}` is neither a scene file (.gltf, .glb, .obj, .ply) nor a family and a seed such as \
+         `stairs:7`"
     )]
     UnknownSource {
         /// What was asked for.

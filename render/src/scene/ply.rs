@@ -33,7 +33,7 @@ const CORNERS: &[&str] = &["vertex_indices", "vertex_index"];
 struct Element {
     position: [f32; 3],
     normal: [f32; 3],
-    /// As the file has it; alpha is 1 where it has none.
+    /// As the file has it.
     colour: [f32; 4],
     uv: [f32; 2],
     corners: Vec<u32>,
@@ -41,13 +41,7 @@ struct Element {
 
 impl PropertyAccess for Element {
     fn new() -> Self {
-        Self {
-            position: [0.0; 3],
-            normal: [0.0; 3],
-            colour: [0.0, 0.0, 0.0, 1.0],
-            uv: [0.0; 2],
-            corners: Vec::new(),
-        }
+        Self { position: [0.0; 3], normal: [0.0; 3], colour: [0.0; 4], uv: [0.0; 2], corners: Vec::new() }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
@@ -110,13 +104,16 @@ fn mesh(name: &str, bytes: &[u8], most: usize) -> Result<(Mesh, Vec<String>), St
     let triangles = triangles(vertices, faces, most)?;
     let has = |names: &[&[&str]]| names.iter().all(|names| property(&ply.header, names).is_some());
     let of_all = |is_there: bool| if is_there { vertices.as_slice() } else { &[] };
-    let colour_scale = colour_scale(&ply.header);
+    let (colour_scale, has_alpha) = (colour_scale(&ply.header), has(&COLOUR[3..]));
     let mesh = Mesh {
         name: name.to_owned(),
         material: MaterialId(0),
         positions: vertices.iter().map(|vertex| Vec3::from(vertex.position)).collect(),
         normals: of_all(has(&NORMAL)).iter().map(|vertex| Vec3::from(vertex.normal)).collect(),
-        colours: of_all(has(&COLOUR[..3])).iter().map(|vertex| linear(vertex.colour, colour_scale)).collect(),
+        colours: of_all(has(&COLOUR[..3]))
+            .iter()
+            .map(|vertex| linear(vertex.colour, colour_scale, has_alpha))
+            .collect(),
         uvs: [
             of_all(has(&UV)).iter().map(|vertex| Vec2::new(vertex.uv[0], 1.0 - vertex.uv[1])).collect(),
             Vec::new(),
@@ -165,13 +162,12 @@ fn colour_scale(header: &Header) -> f32 {
     }
 }
 
-/// The linear colour of a vertex. Files hold them as sRGB, by the use of the programs that write them.
-fn linear([red, green, blue, alpha]: [f32; 4], scale: f32) -> Vec4 {
+/// The linear colour of a vertex, whose alpha is 1 where the file has none. Files hold them as sRGB, by the
+/// use of the programs that write them.
+fn linear([red, green, blue, alpha]: [f32; 4], scale: f32, has_alpha: bool) -> Vec4 {
     let within = |value: f32| (value * scale).clamp(0.0, 1.0);
     let [red, green, blue] = [red, green, blue].map(|value| colour::srgb_decoded(within(value)));
-    // Alpha is 1 in whatever numbers where a file has none.
-    let alpha = if alpha == 1.0 { 1.0 } else { within(alpha) };
-    Vec4::new(red, green, blue, alpha)
+    Vec4::new(red, green, blue, if has_alpha { within(alpha) } else { 1.0 })
 }
 
 /// Elements that may hold surfaces and are not read.
@@ -226,6 +222,10 @@ mod tests {
         let (mesh, _) =
             read(&square(properties, ["1 0 1 0.5", "0 0 0 1", "0 0 0 1", "0 0 0 1"])).expect("it");
         assert_eq!(mesh.colours[0], Vec4::new(1.0, 0.0, 1.0, 0.5));
+        let bytes = properties.replace("float", "uchar");
+        let (mesh, _) =
+            read(&square(&bytes, ["255 0 255 1", "0 0 0 255", "0 0 0 0", "0 0 0 0"])).expect("it");
+        assert_eq!([0, 1].map(|vertex: usize| mesh.colours[vertex].w), [1.0 / 255.0, 1.0]);
     }
 
     #[test]

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// Endings of scene files, small letters.
 const ENDINGS: [&str; 4] = ["gltf", "glb", "obj", "ply"];
 
-/// Where a scene comes from: `path/to/file.gltf` (.glb, .obj, .ply) or `family:seed`, such as `stairs:7`. That is
-/// how it is read, displayed and stored.
+/// Where a scene comes from: `path/to/file.gltf` (.glb, .obj, .ply) or `family:seed`, such as `stairs:7`. That
+/// is how it is read, displayed and stored.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum SceneSource {
