@@ -173,7 +173,9 @@ impl NetSpec {
         let (inputs, of, over, levels) = match effect {
             Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
             Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
-            Effect::Do => ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2),
+            Effect::Do | Effect::PhosphorGi => {
+                ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2)
+            }
             Effect::Dof => (filter(&[SignedCircle]), Estimate, Light, 3),
             Effect::Multi => (filter(&[Normal, Relief, PixelRadius, SignedCircle]), Estimate, Light, 3),
             Effect::MotionBlur => (filter(&[Movement, Relief]), Estimate, Light, 3),

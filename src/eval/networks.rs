@@ -103,7 +103,7 @@ impl Row {
         }
         for comparison in self.outcome.pairs() {
             let suffix = comparison.suffix.filter(|suffix| suffix.is_empty() || suffix[1..] == *ARTISTS);
-            suffix.iter().for_each(|suffix| comparison.pair.set_figures_of(figures, &network, suffix));
+            suffix.iter().for_each(|suffix| comparison.pair.set_figures(figures, Some(&network), suffix));
         }
         figures.detail(&self.name, json!(evaluation.parts()));
     }

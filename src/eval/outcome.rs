@@ -112,7 +112,7 @@ impl EvaluationOutcome {
         }
         let pairs = self.pairs();
         for NetworkComparison { suffix, pair, .. } in &pairs {
-            suffix.iter().for_each(|suffix| pair.set_figures(figures, suffix));
+            suffix.iter().for_each(|suffix| pair.set_figures(figures, None, suffix));
         }
         if !pairs.is_empty() {
             let against = pairs.iter().map(|versus| (versus.title.to_owned(), versus.pair.against()));

@@ -49,25 +49,18 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on,
-    /// each with a suffix.
-    pub fn set_figures(&self, figures: &mut Figures, suffix: &str) {
+    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on, each
+    /// with a suffix. Of one of several networks `paired_<network>` is of SSIM, `paired_psnr_<network>` of PSNR.
+    pub fn set_figures(&self, figures: &mut Figures, network: Option<&str>, suffix: &str) {
         for (metric, difference) in METRICS.iter().zip(self.differences) {
             let Some(MeanInterval { mean, low, high }) = difference else { continue };
+            let stem = match network {
+                None => format!("paired_{metric}"),
+                Some(network) if *metric == "ssim" => format!("paired_{network}"),
+                Some(network) => format!("paired_{metric}_{network}"),
+            };
             for (end, value) in [("", mean), ("_low", low), ("_high", high)] {
-                figures.set(&format!("paired_{metric}{end}{suffix}"), value);
-            }
-        }
-    }
-
-    /// As [`set_figures`](Self::set_figures) where there are several networks: `paired_<network>` is of SSIM,
-    /// `paired_psnr_<network>` of PSNR.
-    pub fn set_figures_of(&self, figures: &mut Figures, network: &str, suffix: &str) {
-        for (metric, difference) in METRICS.iter().zip(self.differences) {
-            let Some(MeanInterval { mean, low, high }) = difference else { continue };
-            let name = if *metric == "ssim" { "paired".to_owned() } else { format!("paired_{metric}") };
-            for (end, value) in [("", mean), ("_low", low), ("_high", high)] {
-                figures.set(&format!("{name}_{network}{end}{suffix}"), value);
+                figures.set(&format!("{stem}{end}{suffix}"), value);
             }
         }
     }
@@ -240,7 +233,7 @@ pub mod tests {
         );
         assert_eq!(pair.milliseconds, (2.0, Some(1.5)));
         let mut figures = Figures::new("eval");
-        pair.set_figures(&mut figures, "_small");
+        pair.set_figures(&mut figures, None, "_small");
         let json = figures.to_json();
         let figure = |name: &str| json["figures"][name].as_f64().expect("a figure");
         // Scenes differ by 0.2 and -0.2 in similarity, by -0.2 and 0.1 in FLIP.

@@ -4,7 +4,7 @@ use super::{Args, share};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use deepshade_dataset::{Radius, Recipe};
-use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach};
+use deepshade_infer::{AnalyticEstimate, ChannelOrder, NetSpec, Reach, UNet};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::estimate::{EstimateError, Estimator};
 use deepshade_shaders::Effect;
@@ -20,7 +20,7 @@ const RADII: f32 = 1.0;
 /// The default radius of networks that know all radii, as a share of the scene's diagonal.
 const USUAL_SHARE: f32 = 0.03;
 /// Effects whose corrected network was measured to be ahead of the estimate that it reads.
-const MEASURED: [Effect; 8] = [
+const MEASURED: [Effect; 9] = [
     Effect::Aa,
     Effect::Ao,
     Effect::Do,
@@ -28,6 +28,7 @@ const MEASURED: [Effect; 8] = [
     Effect::Gi,
     Effect::MotionBlur,
     Effect::Multi,
+    Effect::PhosphorGi,
     Effect::Sss,
 ];
 /// Channels of the corrected network at half the resolution.
@@ -36,7 +37,7 @@ pub const CHANNELS: usize = 24;
 fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     let of = AnalyticEstimate::new;
     match effect {
-        Effect::Gi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
+        Effect::Gi | Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
         Effect::Dof => vec![of("ring-gather", "high")],
         Effect::Multi => vec![of("occluded-gather", "high")],
@@ -70,7 +71,9 @@ impl Network {
         let effect = recipe.effect;
         let of_scene = usual_estimates(effect).iter().any(|estimate| is_of_scene(effect, estimate));
         let has_all = streamed || !of_scene || !recipe.estimates.is_empty();
-        if MEASURED.contains(&effect) && has_all { Self::Corrected } else { Self::Paper }
+        // Where the paper has none, it is said what the pairs lack.
+        let is_only_one = UNet::of(effect, ChannelOrder::Interleaved).is_none();
+        if MEASURED.contains(&effect) && (has_all || is_only_one) { Self::Corrected } else { Self::Paper }
     }
 }
 

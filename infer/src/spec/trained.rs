@@ -35,8 +35,8 @@ pub struct Outside {
     pub pixels: f32,
     /// Share of them whose depth is.
     pub depths: f32,
-    /// Whether the frame has far fewer or more rows.
-    pub rows: bool,
+    /// The frame's rows where they are far fewer or more.
+    pub rows: Option<usize>,
 }
 
 /// Share of the pixels that is left out at each end of a range.
@@ -97,7 +97,8 @@ impl Trained {
         };
         let height = gbuffer.height();
         let [least, most] = self.rows;
-        let rows = height * SLACK_OF_ROWS < least || height > most.saturating_mul(SLACK_OF_ROWS);
+        let is_like = height * SLACK_OF_ROWS >= least && height <= most.saturating_mul(SLACK_OF_ROWS);
+        let rows = (!is_like).then_some(height);
         let depths = self.depths.map_or(0.0, |range| share(&depths, range));
         Ok(Outside { pixels: share(&pixels, self.pixels), depths, rows })
     }
@@ -118,9 +119,10 @@ impl Outside {
             let (share, range) = (percent(self.depths), range(depths));
             parts.push(format!("the depth of {share} % of them is not {range} radii"));
         }
-        if self.rows {
+        if let Some(rows) = self.rows {
             let [least, most] = trained.rows;
-            parts.push(format!("images had {least} to {most} rows"));
+            let known = if least == most { most.to_string() } else { format!("{least} to {most}") };
+            parts.push(format!("the image has {rows} rows, not {known}"));
         }
         (!parts.is_empty()).then(|| format!("unlike what the network was trained on: {}", parts.join("; ")))
     }
@@ -218,14 +220,14 @@ mod tests {
         let close = |[a, b]: [f32; 2], [c, d]: [f32; 2]| (a - c).abs() < 1e-3 && (b - d).abs() < 1e-3;
         assert!(close(trained.pixels, [8.0, 32.0]) && close(depths, [2.0, 8.0]), "{trained:?}");
         let inside = outside(&near, 0.4);
-        assert_eq!((inside.pixels, inside.rows, inside.warning(&trained)), (0.0, false, None));
+        assert_eq!((inside.pixels, inside.rows, inside.warning(&trained)), (0.0, None, None));
         let rows = [31, 32, 192, 193].map(|rows| outside(&wall(rows, 1.0), 0.5).rows);
-        assert_eq!(rows, [true, false, false, true], "half and twice as many are like those");
+        assert_eq!(rows, [Some(31), None, None, Some(193)], "half and twice as many are like those");
         let outside = outside(&wall(31, 1.0), 5.0);
-        assert_eq!((outside.pixels, outside.depths, outside.rows), (1.0, 1.0, true));
+        assert_eq!((outside.pixels, outside.depths, outside.rows), (1.0, 1.0, Some(31)));
         let warning = outside.warning(&trained).expect("it is unlike");
         assert!(warning.contains("reach at 100 % of the pixels is not 8 to 32 pixels"), "{warning}");
-        assert!(warning.contains("64 to 96 rows"), "{warning}");
+        assert!(warning.contains("the image has 31 rows, not 64 to 96"), "{warning}");
     }
 
     #[test]
