@@ -26,7 +26,7 @@ def test_the_examples_run(
     Path("models").mkdir()
     for name in ("ao", "ao-paper"):
         Path("models", name).symlink_to(MODELS / name)
-    recipe = RECIPE.format(effect="ao", vary="", scramblings=2)
+    recipe = RECIPE.format(effect="ao", vary="", scramblings=2, estimates="[]")
     Path("ao.toml").write_text(
         re.sub("resolution = .*", "resolution = { height = 256, width = 256 }", recipe)
     )
