@@ -49,8 +49,9 @@ impl<'a> Pair<'a> {
         })
     }
 
-    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on, each
-    /// with a suffix. Of one of several networks `paired_<network>` is of SSIM, `paired_psnr_<network>` of PSNR.
+    /// Sets `paired_ssim`, `paired_ssim_low` and `paired_ssim_high` (the ends of the interval), and so on,
+    /// each with a suffix. Of one of several networks `paired_<network>` is of SSIM, `paired_psnr_<network>`
+    /// of PSNR.
     pub fn set_figures(&self, figures: &mut Figures, network: Option<&str>, suffix: &str) {
         for (metric, difference) in METRICS.iter().zip(self.differences) {
             let Some(MeanInterval { mean, low, high }) = difference else { continue };
@@ -248,6 +249,16 @@ pub mod tests {
             assert!((figure(name) - expected).abs() < 1e-12, "{name}: {}", figure(name));
         }
         assert!(json["figures"]["paired_psnr_small"].is_null(), "it was not measured");
+        let mut of_several = Figures::new("eval");
+        pair.set_figures(&mut of_several, Some("ao"), "_artists");
+        let of_several = of_several.to_json()["figures"].clone();
+        for (name, of_one) in [
+            ("paired_ao_artists", "paired_ssim_small"),
+            ("paired_ao_low_artists", "paired_ssim_low_small"),
+            ("paired_flip_ao_high_artists", "paired_flip_high_small"),
+        ] {
+            assert_eq!(of_several[name], json["figures"][of_one], "{name}");
+        }
         assert!(Pair::new(&found, &rivals[..1]).is_none(), "no rival");
         let without = evaluation(&[("cave:1", &[&frames[0][3..]])]);
         assert!(Pair::new(&without, &rivals).is_none(), "no network");

@@ -219,6 +219,9 @@ mod tests {
             let other = check(&format!("estimates = [\"{held}\"]"), on_disk);
             assert!(other.is_err_and(|error| error.contains(&format!("--estimate {held}"))));
         }
+        let kept: Recipe = Recipe { effect: Effect::PhosphorGi, ..recipe("") };
+        assert_eq!(Network::usual(&kept, false), Network::Corrected, "the paper has none");
+        assert_eq!(Network::usual(&recipe(""), false), Network::Paper, "the paper has one");
         assert!(check_data(&usual_estimates(Effect::Ao), &recipe(""), true, Path::new("pairs")).is_ok());
     }
 }

@@ -2,27 +2,18 @@
 
 use crate::command::{command, succeeds, target};
 use anyhow::{Result, bail};
-use std::path::Path;
 
 /// Builds the book into the target folder.
 ///
 /// # Errors
 /// If mdBook is not installed or fails.
 pub fn run() -> Result<()> {
-    let into = target().join("book");
-    build(&into)?;
-    println!("{}", into.join("index.html").display());
-    Ok(())
-}
-
-/// Builds the book into a folder.
-///
-/// # Errors
-/// If mdBook is not installed or fails.
-pub fn build(into: &Path) -> Result<()> {
     if !succeeds(&mut command("mdbook", &["--version"])) {
         bail!("mdbook is missing; install it with\n    cargo install mdbook --locked");
     }
+    let into = target().join("book");
     let folder = into.display().to_string();
-    crate::command::run(&mut command("mdbook", &["build", "book", "--dest-dir", &folder]))
+    crate::command::run(&mut command("mdbook", &["build", "book", "--dest-dir", &folder]))?;
+    println!("{}", into.join("index.html").display());
+    Ok(())
 }

@@ -19,7 +19,6 @@ mod program;
 mod prove;
 mod python;
 mod release;
-mod site;
 mod targets;
 mod test;
 mod unchanged;
@@ -89,9 +88,6 @@ enum Verb {
     /// Builds the web page as static files: the program as WebAssembly, the networks, and what is shown where
     /// a browser has no WebGPU. On Debian it installs a compiler for browsers where rustup has none.
     Web(web::Args),
-    /// Builds the web page, the book, the library's documentation and the networks as one folder of static
-    /// files.
-    Site(site::Args),
 }
 
 /// Arguments for another program.
@@ -136,7 +132,6 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Release(args) => release::run(&args),
         Verb::Unchanged(args) => unchanged::run(&args),
         Verb::Web(args) => web::run(args),
-        Verb::Site(args) => site::run(&args),
     }
 }
 

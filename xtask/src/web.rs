@@ -69,10 +69,7 @@ pub fn again() -> Result<()> {
 }
 
 /// Builds everything into a folder.
-///
-/// # Errors
-/// If something is missing and cannot be installed, or does not build.
-pub fn build(out: &Path) -> Result<()> {
+fn build(out: &Path) -> Result<()> {
     fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     let module = toolchain::compile()?;
     let bindgen = toolchain::bindgen()?;
