@@ -147,6 +147,8 @@ def shot(tmp_path_factory: pytest.TempPathFactory) -> Shot:
 
 
 Infer = Callable[..., float]
+Record = Callable[[str, float], None]
+"""pytest's, which keeps a figure for `cargo xtask hosts`."""
 
 
 @pytest.fixture(scope="module")
@@ -252,8 +254,9 @@ def test_an_input_that_the_add_on_does_not_make_is_named(shot: Shot) -> None:
 # Ambient occlusion
 
 
-def test_ao_is_that_of_cycles(shot: Shot, ao_error: Infer) -> None:
+def test_ao_is_that_of_cycles(shot: Shot, ao_error: Infer, record_property: Record) -> None:
     error, white = ao_error(shot.channels), difference(shot, np.ones((*SIZE[::-1], 1)))
+    record_property("mean_abs_blender_ao", error)
     print(f"ao: mean difference {error:.4f}, of a white image {white:.4f}")
     assert error < AO_BOUND < white
 
@@ -337,7 +340,7 @@ def relative(comparison: addon.Comparison, image: np.ndarray | None = None) -> f
 
 
 @pytest.mark.parametrize("lamp", ["POINT", "AREA", "SUN", "SPOT"])
-def test_gi_is_that_of_cycles(lamp: str, program: str) -> None:
+def test_gi_is_that_of_cycles(lamp: str, program: str, record_property: Record) -> None:
     found = addon.render_effect(
         room(lamp), "gi", network=MODELS / "gi", radius=6.0, samples=128, program=program
     )
@@ -352,11 +355,12 @@ def test_gi_is_that_of_cycles(lamp: str, program: str) -> None:
     }
     if lamp != "SPOT":  # whose light falls on grey alone
         wrong["red for blue"] = relative(found, image[..., ::-1])
+    record_property(f"relative_blender_gi_{lamp.lower()}", error)
     print(f"gi, {lamp}: {error:.3f}", {name: round(error, 3) for name, error in wrong.items()}, found.notes)
     assert error < GI_BOUND[lamp] < min(wrong.values())
 
 
-def test_do_is_that_of_cycles(program: str) -> None:
+def test_do_is_that_of_cycles(program: str, record_property: Record) -> None:
     scene = room()
     turn = sky(scene)
     found = addon.render_effect(scene, "do", network=MODELS / "do", radius=6.0, samples=128, program=program)
@@ -364,6 +368,7 @@ def test_do_is_that_of_cycles(program: str) -> None:
     turn.inputs["Angle"].default_value = math.pi
     other = addon.render_effect(scene, "do", network=MODELS / "do", radius=6.0, samples=4, program=program)
     turned = relative(found, other.learned)
+    record_property("relative_blender_do", error)
     print(f"do: {error:.3f}; sky turned {turned:.3f}, flipped {flipped:.3f}", found.figures, found.notes)
     assert error < DO_BOUND < min(turned, flipped)
 

@@ -95,7 +95,7 @@ pub struct Args {
     /// Folder of the page and its images.
     #[arg(long)]
     out: PathBuf,
-    /// Folder, address or name of the network of `learned`; by default models/EFFECT.
+    /// Folder, address or name of the network of `learned`; by default models/EFFECT, else the program's own.
     #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Rows of the images; 512 by default.

@@ -75,12 +75,13 @@ pub struct Args {
     /// `deepshade methods` lists what can be. Several times for several ways, each of which is evaluated.
     #[arg(long, value_parser = changes)]
     set: Vec<Changes>,
-    /// Folder, address or name of the network; by default models/EFFECT, and models/ao without --effect.
+    /// Folder, address or name of the network; by default models/EFFECT, else the program's own of that name,
+    /// and without --effect that of ao.
     #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Folder or address of the test set; by default all in the model's folder, `testset` and `testset-NAME`,
-    /// each by itself and, but for `testset-artists`, together. A model without one has those of the model
-    /// beside it that bears the name of the effect.
+    /// or in models/EFFECT where no model is named, each by itself and, but for `testset-artists`, together.
+    /// A model without one has those of the model beside it that bears the name of the effect.
     #[arg(long)]
     testset: Option<Location>,
     /// All networks of the folder `models` that have a test set, beside the figures of the paper's Table 7.1.
@@ -316,9 +317,11 @@ fn inputs(args: &Args) -> Result<EvaluationInputs> {
     let optional = args.model.is_none() && args.effect.is_some() && !learned::is_network(&folder);
     let model = (!optional).then(|| learned::network(&folder, args.effect)).transpose()?;
     let effect = args.effect.or(model.as_ref().map(|model| model.spec.effect)).unwrap_or(Effect::Ao);
-    let folders = match &args.testset {
-        Some(testset) => vec![testset.read()?],
-        None => sets::folders(&folder, effect),
+    let folders = match (&args.testset, &args.model) {
+        (Some(testset), _) => vec![testset.read()?],
+        (None, Some(_)) => sets::folders(&folder, effect),
+        // Networks may be part of the program, test sets are not.
+        (None, None) => sets::folders(&Path::new(networks::MODELS).join(effect.name()), effect),
     };
     let sets = sets::open(&folders, effect, args.scenes.as_deref())?;
     let name = names::figure_name(Path::new(&location.to_string()));

@@ -15,6 +15,7 @@ use deepshade_dataset::recipe::FieldOfView;
 use deepshade_dataset::vary::Surroundings;
 use deepshade_dataset::{Manifest, Radius, Recipe, stream};
 use deepshade_infer::forward::Precision;
+use deepshade_infer::model::SPEC;
 use deepshade_infer::{AnalyticEstimate, Model, NetSpec};
 use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
@@ -29,7 +30,8 @@ use translated::{Language, translated};
 const LICENCE: &str = "MIT OR Apache-2.0";
 
 /// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes
-/// with; or a model folder into WGSL files for any engine; or writes what was measured into a model's card.
+/// with; or a model, one that the program brings too, into WGSL files for any engine or a folder of its own;
+/// or writes what was measured into a model's card.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
 #[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics"])))]
@@ -37,7 +39,8 @@ const LICENCE: &str = "MIT OR Apache-2.0";
     deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
     deepshade export --model models/ao --wgsl shaders/ao\n  \
     deepshade export --model models/ao --wgsl shaders/ao --also hlsl\n  \
-    deepshade export --model models/ao --metrics eval.json\n\n\
+    deepshade export --model models/ao --metrics eval.json\n  \
+    deepshade export --model ao --out models/ao    # the program's own, as files\n\n\
     --wgsl writes a compute shader for every pass from a g-buffer to the image, packed weights, \
     network.json with the passes and what they bind, a frame to check with, and HOST.md, which says what a \
     host must do.")]
@@ -45,10 +48,11 @@ pub struct Args {
     /// Folder or address of the training run.
     #[arg(long, requires = "out")]
     run: Option<Location>,
-    /// Folder or address of the model to be written.
-    #[arg(long, requires = "run", conflicts_with = "model")]
+    /// Folder or address of the model to be written. Of --model it is a copy of spec and weights, which takes
+    /// no other network's place.
+    #[arg(long)]
     out: Option<Location>,
-    /// Folder or address of a model that is there.
+    /// Folder, address or name of a model that is there.
     #[arg(long, requires = "made", value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Folder for WGSL files, which are replaced.
@@ -85,12 +89,13 @@ pub fn run(args: &Args) -> Result<()> {
             work.finish()?;
             (out, model)
         }
-        (_, _, Some(location)) => {
+        (_, out, Some(location)) => {
             let model = Model::load(&location.read()?)?;
             args.metrics.as_deref().map_or(Ok(()), |file| measure(location, &model, file))?;
-            (location, model)
+            out.as_ref().map_or(Ok(()), |out| copied(&model, out))?;
+            (out.as_ref().unwrap_or(location), model)
         }
-        _ => anyhow::bail!("--run with --out, or --model with --wgsl or --metrics"),
+        _ => anyhow::bail!("--run with --out, or --model with --out, --wgsl or --metrics"),
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
@@ -104,6 +109,14 @@ pub fn run(args: &Args) -> Result<()> {
     figures.write(args.json.as_deref())?;
     say!("{name}: {}, {weights} weights", model.spec.effect)?;
     args.wgsl.as_ref().map_or(Ok(()), |folder| say!("{}: see HOST.md there", folder.display()))
+}
+
+/// Writes a model that is there to a place that has none.
+fn copied(model: &Model, out: &Location) -> Result<()> {
+    ensure!(!out.holds(SPEC)?, "{out} holds a network already: --out names a place for another one");
+    let work = out.begin()?;
+    model.save(&work)?;
+    work.finish()
 }
 
 /// Writes results into the card of a model that is there.

@@ -107,6 +107,17 @@ pub fn reads(spec: &NetSpec) -> Result<Vec<Attribute>> {
     Ok(reads)
 }
 
+/// What each method makes that estimates something of a g-buffer alone: a file may have that already.
+///
+/// # Errors
+/// If a network names a method that makes no estimates.
+pub fn estimated(spec: &NetSpec) -> Result<Vec<&'static [Attribute]>> {
+    let estimators = spec.estimates.iter().map(|estimate| estimator(spec, estimate));
+    let estimators: Vec<_> = estimators.collect::<Result<_, _>>()?;
+    let on_screen = estimators.iter().filter(|estimator| !estimator.reads_scene());
+    Ok(on_screen.map(|estimator| estimator.makes()).collect())
+}
+
 /// What is to be said of a frame that is unlike those that a network was trained on; nothing where it is like
 /// them, or where that is not known.
 pub fn outside(spec: &NetSpec, gbuffer: &GBuffer, radius: f32) -> Option<String> {

@@ -221,7 +221,7 @@ fn settings_that_make_no_sense() {
     refused("compare --scene stairs:7 --out report --radius nan", "--radius");
     refused("compare --scene stairs:x --out report", "stairs:x");
     refused("compare --scene stares:7 --out report", "stares");
-    refused("compare --scene stairs:7 --out report --model gone", "gone");
+    refused("compare --scene stairs:7 --out report --model gone", "`gone`; there are aa, ao,");
     refused("dataset verify gone", "gone");
     refused("eval --model gone", "gone");
     refused("eval --all --methods learned,gtoa", "`gtoa`");
@@ -243,7 +243,8 @@ fn settings_that_make_no_sense() {
         refused("bench net --networks aa --models gone", "--models gone");
         refused("bench net --networks aa --onnxruntime gone.so", "gone.so");
         refused("export", "--model");
-        refused("export --model model --wgsl kernels --out model2", "--out");
+        refused("export --model aos --out model", "did you mean `ao`?");
+        refused("export --model ao", "--out");
     }
 }
 

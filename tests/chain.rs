@@ -2,6 +2,7 @@
 //! evaluating, measuring; and the figures that scripts ask for by name.
 #![cfg(feature = "train")]
 
+use deepshade_infer::Model;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -66,6 +67,20 @@ fn names(folder: &Path) -> Vec<String> {
         entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
+}
+
+#[test]
+fn a_network_that_the_program_brings_is_written_into_a_folder() {
+    let chain = Chain(tempfile::tempdir().expect("a folder"));
+    chain.figures("export --model ao-small --out own", &["weights"]);
+    assert_eq!(names(&chain.path("own")), ["net.json", "weights.safetensors"]);
+    let model = |folder: &Path| Model::load(folder).expect("a network");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao-small");
+    assert!(model(&chain.path("own")) == model(&shipped), "another network");
+    let output = chain.run(&mut Command::new(PROGRAM), "export --model ao --out own");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && message.contains("own holds a network already"), "{message}");
+    assert!(model(&chain.path("own")) == model(&shipped), "what was there");
 }
 
 #[test]

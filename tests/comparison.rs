@@ -163,6 +163,8 @@ fn a_network_that_nobody_named_is_found_again_from_elsewhere() {
     std::fs::create_dir(&elsewhere).expect("made");
     said(&elsewhere, "--config ../report/compare.toml --out again");
     assert!(elsewhere.join("again/frame-room-1-view-0-ao/learned.exr").is_file());
+    let own = elsewhere.join("again/frame-room-1-view-0-aa/learned.exr");
+    assert!(own.is_file(), "a network that the program brings");
     // A comparison of one effect of several names what it has for that one.
     let more = said(&elsewhere, "--config ../report/compare.toml --effect ao --out again");
     assert!(more.contains("1 of 1 frames are there"), "{more}");

@@ -15,6 +15,10 @@ use deepshade_shaders::{
     Attribute, AttributeKind, Channel, Effect, GBuffer, MissingAttribute, Planes, exposure,
 };
 
+/// The most that an estimate comes to under its exposure, over the network's brightness. Frames of training
+/// come to some tens. A network has made light out of nothing of one that came to millions.
+const BRIGHTEST: f32 = 64.0;
+
 /// What a frame's lengths and its light are multiplied by, so that the frame is to the network like those
 /// that it was trained with (thesis 7.5.1, "Range of Values" and "Effect Radius").
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,15 +42,17 @@ impl NetSpec {
     }
 
     /// What a frame of a g-buffer is multiplied by, for an effect that reaches `radius` metres: light such
-    /// that 99 % of what is not black is at most [`NetSpec::brightness`].
+    /// that 99 % of what is not black is at most [`NetSpec::brightness`]. Where an estimate is all light that
+    /// is read, nothing comes to more than 64 times that.
     ///
     /// # Errors
     /// If the g-buffer lacks light that the network reads.
     pub fn scaling(&self, gbuffer: &GBuffer, radius: f32) -> Result<Scaling, MissingAttribute> {
         let lights: Vec<Attribute> = self.lights().collect();
-        let light = match lights.is_empty() {
-            true => 1.0,
-            false => self.brightness() * exposure::of_values(gbuffer.select(&lights)?.data().iter().copied()),
+        let light = match lights[..] {
+            [] => 1.0,
+            [Attribute::Estimate] => self.brightness() * exposure_of_estimate(&gbuffer.select(&lights)?),
+            _ => self.brightness() * exposure::of_values(gbuffer.select(&lights)?.data().iter().copied()),
         };
         Ok(Scaling { light, ..self.scaling_of_lengths(radius) })
     }
@@ -194,6 +200,14 @@ pub(crate) fn channel_unit(channel: &Channel) -> Unit {
     if is_direction { Unit { scale: Scale::One, exponent: 0 } } else { unit(channel.attribute) }
 }
 
+/// The exposure of an estimate that is all light of a frame. Where a lamp lights little of it the rest may be
+/// dimmer by any number, and more than 99 % of what is not black.
+fn exposure_of_estimate(estimate: &Planes) -> f32 {
+    let values = || estimate.data().iter().copied().filter(|value| value.is_finite());
+    let brightest = values().fold(0.0, f32::max);
+    exposure::of_values(values()).min(BRIGHTEST / brightest.max(f32::MIN_POSITIVE))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,6 +288,21 @@ mod tests {
         assert!(
             spec.scaling(&GBuffer::new(vec![Attribute::Valid], Planes::filled(1, 1, 1, 1.0)), 1.0).is_err()
         );
+    }
+
+    #[test]
+    fn a_faint_rest_does_not_make_a_lit_spot_too_bright() {
+        let inputs = vec![Attribute::Estimate];
+        let spec = NetSpec { inputs, ..NetSpec::ao(ChannelOrder::Interleaved, REACH) };
+        let exposed = |rest: f32| {
+            let value = |x: usize| if x == 0 { 0.5 } else { rest };
+            let planes = Planes::from_fn(3, 1, 1000, |_, _, x| value(x));
+            spec.scaling(&GBuffer::new(spec.inputs.clone(), planes), 2.0).map(|scaling| scaling.light)
+        };
+        assert_eq!(exposed(0.0), Ok(2.0));
+        assert_eq!(exposed(0.125), Ok(8.0), "99 % come to 1");
+        assert_eq!([1e-9, 1e-3].map(exposed), [Ok(128.0), Ok(128.0)], "the spot comes to 64");
+        assert_eq!(exposed(f32::NAN), Ok(2.0));
     }
 
     #[test]

@@ -28,6 +28,7 @@ SHIPPED = (
     "ibl-paper",
     "motion-blur",
     "multi",
+    "phosphor-gi",
     "sss",
 )
 

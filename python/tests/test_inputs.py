@@ -64,6 +64,14 @@ def test_a_run_reads_its_own_colour_and_mean_free_paths_count_by_powers_of_two()
     torch.testing.assert_close(x[:, 4, 0, 0], torch.tensor([0.5, 1.0, 0.25]))
 
 
+def test_a_faint_rest_does_not_make_a_lit_spot_too_bright() -> None:
+    estimated = replace(LIGHT, inputs=("estimate",))
+    for rest, expected in ((0.0, 2.0), (0.125, 8.0), (1e-9, 128.0)):
+        estimate = torch.full((3, 10, 100), rest)
+        estimate[:, 0, 0] = 0.5
+        assert exposure({"estimate": estimate}, estimated).item() == pytest.approx(expected)
+
+
 def test_exposure_brings_what_is_bright_to_one() -> None:
     light = torch.cat([torch.arange(1.0, 1001.0), torch.tensor([torch.inf, torch.nan, -3.0, 0.0, 0.0])])
     layers = {"light": light.reshape(3, 5, 67)}

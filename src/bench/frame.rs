@@ -46,7 +46,7 @@ pub struct Args {
     /// every effect that has one that works on the screen.
     #[arg(long, value_delimiter = ',', value_parser = method)]
     methods: Vec<(Effect, String)>,
-    /// Folder, address or name of the network of `learned`; by default models/EFFECT.
+    /// Folder, address or name of the network of `learned`; by default models/EFFECT, else the program's own.
     #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// How much time methods may take for a better image: low, medium, high or ultra.

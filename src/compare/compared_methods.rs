@@ -8,7 +8,7 @@ use crate::eval::rivals::{Rival, rivals};
 use crate::learned;
 use crate::location::Location;
 use crate::methods::{self, LEARNED, Runs, TRUTH};
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use deepshade_infer::{Model, NetSpec, Reach, TrainedUnder};
 use deepshade_render::methods::dials::Tuning;
 use deepshade_shaders::gpu::Gpu;
@@ -89,6 +89,7 @@ impl ComparedMethods {
             let effect = run.effects().iter().find(|effect| methods::names_of(**effect).contains(&LEARNED));
             let effect = effect.copied().unwrap_or(Effect::Ao);
             learned::network(&learned::usual_folder(effect), Some(effect))?;
+            bail!("of the networks that are named none is for {effect}");
         }
         Ok(Self { methods, reaches })
     }
@@ -203,10 +204,11 @@ fn default_methods(run: &ComparisonRun) -> Vec<MethodChoice> {
     names.chain([TRUTH]).map(MethodChoice::named).collect()
 }
 
-/// The network that `learned` is for an effect; none where it is one of several effects and the network is
-/// another's, or none is there.
+/// The network that `learned` is for an effect; none where there are several effects, or several networks, as
+/// a report of several effects names them, and the network is another's, or none is there.
 fn network(run: &ComparisonRun, choice: &MethodChoice, effect: Effect) -> Result<Option<Network>> {
-    let several = run.effects().len() > 1;
+    let networks = run.methods().iter().filter(|choice| choice.name == LEARNED).count();
+    let several = run.effects().len() > 1 || networks > 1;
     let stated = choice.model.as_ref().or(run.model.as_ref());
     let location = stated.cloned().unwrap_or_else(|| Location::Folder(learned::usual_folder(effect)));
     let folder = location.read()?;
@@ -217,7 +219,7 @@ fn network(run: &ComparisonRun, choice: &MethodChoice, effect: Effect) -> Result
     let model = learned::network(&folder, if several { None } else { Some(effect) })?;
     let made = model.spec.effect;
     ensure!(
-        run.effects().contains(&made),
+        networks > 1 || run.effects().contains(&made),
         "the network in {location} is for {made}, which is none of the effects"
     );
     Ok((made == effect).then_some(Network { location, folder, model }))

@@ -41,7 +41,7 @@ pub struct ComparisonRun {
     pub methods: Option<Vec<MethodChoice>>,
     /// How much time analytic methods may take for a better image.
     pub qualities: Option<Vec<Quality>>,
-    /// Folder or address of the network of `learned`; by default models/EFFECT.
+    /// Folder or address of the network of `learned`; by default models/EFFECT, else the program's own.
     pub model: Option<Location>,
     /// Which views of each scene; by default the cameras of its file, or where it has none one sampled view
     /// of a place, and one from outside of anything else.

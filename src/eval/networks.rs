@@ -20,7 +20,7 @@ use serde_json::json;
 use std::path::PathBuf;
 
 /// Where networks are.
-const MODELS: &str = "models";
+pub(super) const MODELS: &str = "models";
 
 /// A network with what its evaluation has come to.
 pub struct Row {

@@ -40,8 +40,11 @@ pub fn read(wanted: &ReadRequest<'_>, spec: &NetSpec) -> Result<Read> {
     attributes.retain(|attribute| *attribute != Attribute::Valid || spec.inputs.contains(attribute));
     wanted.space.check_use(&attributes)?;
     let for_check = for_check(&attributes);
-    let asked_for = [&attributes[..], &[Attribute::Valid], &for_check].concat();
+    let estimates = learned::estimated(spec)?;
+    let asked_for = [&attributes[..], &[Attribute::Valid], &for_check, &estimates.concat()].concat();
     let file = exr_file::read_gbuffer(wanted.path, &asked_for, wanted.layer).map_err(with_option)?;
+    let held = |made: &&&[Attribute]| made.iter().all(|made| file.attributes().contains(made));
+    attributes.extend(estimates.iter().filter(held).copied().flatten());
     if !attributes.contains(&Attribute::Valid) && file.attributes().contains(&Attribute::Valid) {
         attributes.push(Attribute::Valid);
     }

@@ -56,8 +56,8 @@ impl Card {
         let radius = inputs.radius;
         let (gbuffer, of_scene) = self.with_estimates_of_scene(inputs, repeats)?;
         let gbuffer = gbuffer.as_ref().unwrap_or(inputs.gbuffer);
-        let seen =
-            GpuGBuffer::upload(device, gbuffer, &self.reads()).map_err(|error| error.of_method(LEARNED))?;
+        let seen = GpuGBuffer::upload(device, gbuffer, &self.reads(gbuffer))
+            .map_err(|error| error.of_method(LEARNED))?;
         let (view, channels) = (inputs.view(), self.spec.effect.channels());
         let missing = |source: MissingAttribute| MethodError::Missing { method: LEARNED, source };
         let scaling = self.spec.scaling(gbuffer, radius).map_err(missing)?;
@@ -87,7 +87,7 @@ impl Card {
         let EstimateInputs { gbuffer, radius, seed, scene } = *inputs;
         let (mut with, mut milliseconds) = (None, 0.0);
         for (estimator, method) in self.estimators.iter().zip(&self.methods) {
-            if estimator.reads_scene() && !estimator.is_made(gbuffer) {
+            if estimator.reads_scene() && !estimator.is_made(gbuffer.attributes()) {
                 let (scene, camera) = scene.ok_or_else(|| no_estimate(estimator.wants_scene()))?;
                 let shaded =
                     method.shade_in_passes(&Frame { scene, camera, gbuffer, radius, seed }, repeats)?;
@@ -114,8 +114,9 @@ impl Card {
         let estimates = self.estimates(gbuffer, view)?;
         let mut attributes: Vec<(Attribute, &wgpu::Buffer)> =
             gbuffer.attributes().map(|attribute| (attribute, gbuffer.buffer(attribute))).collect();
-        for (estimator, estimate) in self.on_screen().map(|(estimator, _)| estimator).zip(&estimates) {
-            attributes.extend(estimator.makes().iter().copied().zip(estimate.images()));
+        for (estimator, estimate) in self.estimators.iter().zip(&estimates) {
+            let images = estimate.iter().flat_map(EstimatePasses::images);
+            attributes.extend(estimator.makes().iter().copied().zip(images));
         }
         let (size, frame) = ([view.height, view.width], scale(view, scaling));
         let (valid, made) = (gbuffer.buffer(Attribute::Valid), runner.output());
@@ -133,17 +134,17 @@ impl Card {
 
     /// Tells recorded passes of another frame.
     pub fn look(&self, recorded: &Recorded, view: &View, scaling: Scaling) {
-        let methods: Vec<&ScreenMethod> = self.on_screen().map(|(_, method)| method).collect();
-        recorded.set(&self.gpu.queue, &methods, view, scale(view, scaling));
+        recorded.set(&self.gpu.queue, &self.methods, view, scale(view, scaling));
     }
 
     /// What is read of a g-buffer, by the methods that estimate, too.
-    fn reads(&self) -> Vec<Attribute> {
+    fn reads(&self, gbuffer: &GBuffer) -> Vec<Attribute> {
+        let (given, made): (Vec<_>, Vec<_>) =
+            self.estimators.iter().partition(|estimator| estimator.is_made(gbuffer.attributes()));
+        let given: Vec<Attribute> = given.iter().flat_map(|estimator| estimator.makes()).copied().collect();
         let mut reads = self.input.reads();
-        let of_scene = self.estimators.iter().filter(|estimator| estimator.reads_scene());
-        let of_scene: Vec<Attribute> = of_scene.flat_map(|estimator| estimator.makes()).copied().collect();
-        reads.retain(|attribute| !Attribute::MADE.contains(attribute) || of_scene.contains(attribute));
-        for attribute in self.on_screen().flat_map(|(_, method)| method.attributes()) {
+        reads.retain(|attribute| !Attribute::MADE.contains(attribute) || given.contains(attribute));
+        for attribute in made.iter().flat_map(|estimator| estimator.reads()) {
             if !reads.contains(attribute) {
                 reads.push(*attribute);
             }
@@ -151,16 +152,19 @@ impl Card {
         reads
     }
 
-    /// What is estimated of the g-buffer alone, with the network's other passes.
-    fn on_screen(&self) -> impl Iterator<Item = (&Estimator, &ScreenMethod)> {
-        self.estimators.iter().zip(&self.methods).filter(|(estimator, _)| !estimator.reads_scene())
-    }
-
-    fn estimates(&self, gbuffer: &GpuGBuffer, view: &View) -> Result<Vec<EstimatePasses>, MethodError> {
-        let made = |(estimator, method): (&Estimator, &ScreenMethod)| {
-            EstimatePasses::new(method, estimator.makes().len() > 1, gbuffer, view)
+    /// The passes of each method that estimates something of the g-buffer alone; none where that is there.
+    fn estimates(
+        &self,
+        gbuffer: &GpuGBuffer,
+        view: &View,
+    ) -> Result<Vec<Option<EstimatePasses>>, MethodError> {
+        let held: Vec<Attribute> = gbuffer.attributes().collect();
+        let passes = |(estimator, method): (&Estimator, &ScreenMethod)| {
+            let is_made_here = !estimator.reads_scene() && !estimator.is_made(&held);
+            let made = || EstimatePasses::new(method, estimator.makes().len() > 1, gbuffer, view);
+            is_made_here.then(made).transpose()
         };
-        let estimates = self.on_screen().map(made);
+        let estimates = self.estimators.iter().zip(&self.methods).map(passes);
         estimates.collect::<Result<_, GpuError>>().map_err(refused)
     }
 }

@@ -1,5 +1,6 @@
-//! Networks that are part of the program, so that it has them wherever it was installed to: `--model ao`
-//! finds them by name. They are written to the user's cache when they are asked for.
+//! Networks that are part of the program, so that it has them wherever it was installed to: each is that of
+//! its effect where no folder has one, and `--model ao` finds it by name. They are written to the user's
+//! cache when they are asked for.
 
 use crate::learned::folder::is_network;
 use deepshade_infer::model::{SPEC, WEIGHTS};
@@ -26,7 +27,7 @@ macro_rules! network {
 }
 
 /// Those that were measured to be level with the best of their rivals or ahead.
-const NETWORKS: [EmbeddedNetwork; 9] = [
+const NETWORKS: [EmbeddedNetwork; 10] = [
     network!("aa"),
     network!("ao"),
     network!("ao-small"),
@@ -35,8 +36,14 @@ const NETWORKS: [EmbeddedNetwork; 9] = [
     network!("gi"),
     network!("motion-blur"),
     network!("multi"),
+    network!("phosphor-gi"),
     network!("sss"),
 ];
+
+/// Their names.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    NETWORKS.iter().map(|network| network.name)
+}
 
 /// The folder of a network of that name; none where there is none, or no cache can be written.
 pub fn folder(name: &str) -> Option<PathBuf> {

@@ -40,7 +40,9 @@ impl Estimates {
     ) -> Result<(Option<GBuffer>, f64), MethodError> {
         let mut with: Option<GBuffer> = None;
         let mut milliseconds = 0.0;
-        for estimator in self.methods.iter().filter(|estimator| !estimator.is_made(inputs.gbuffer)) {
+        for estimator in
+            self.methods.iter().filter(|estimator| !estimator.is_made(inputs.gbuffer.attributes()))
+        {
             let run = || estimator.on_processor(inputs).map_err(no_estimate);
             let (made, time) = timed(run, repeats)?;
             milliseconds += time;

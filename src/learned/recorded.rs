@@ -10,7 +10,8 @@ use wgpu::{Buffer, CommandEncoder, ComputePass, ComputePassTimestampWrites, Queu
 
 /// A network's passes from a g-buffer to an image. Recording them makes nothing anew.
 pub struct Recorded {
-    pub(super) estimates: Vec<EstimatePasses>,
+    /// Of each method that the network names; none where the g-buffer had what it makes.
+    pub(super) estimates: Vec<Option<EstimatePasses>>,
     pub(super) runner: Arc<Runner>,
     pub(super) runs: Vec<NetworkRun>,
 }
@@ -36,7 +37,7 @@ impl Recorded {
     pub fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&Stamps<'_>>) {
         let of_one = |is_first, is_last| stamps.and_then(|stamps| stamps.of_one_compute(is_first, is_last));
         let mut begin = of_one(true, false);
-        for estimate in &self.estimates {
+        for estimate in self.estimates.iter().flatten() {
             estimate.encode(encoder, begin.take());
         }
         for (index, NetworkRun { input, image }) in (1..).zip(&self.runs) {
@@ -46,10 +47,12 @@ impl Recorded {
         }
     }
 
-    /// What holds for another frame, from the next submission on; `methods` are those of the estimates.
-    pub fn set(&self, queue: &Queue, methods: &[&ScreenMethod], view: &View, frame: FrameScale) {
+    /// What holds for another frame, from the next submission on; `methods` are those that the network names.
+    pub fn set(&self, queue: &Queue, methods: &[ScreenMethod], view: &View, frame: FrameScale) {
         for (estimate, method) in self.estimates.iter().zip(methods) {
-            estimate.passes.look(queue, method, &of_estimates(view));
+            if let Some(estimate) = estimate {
+                estimate.passes.look(queue, method, &of_estimates(view));
+            }
         }
         for NetworkRun { input, image } in &self.runs {
             input.set(queue, frame);

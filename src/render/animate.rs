@@ -47,7 +47,8 @@ pub struct Sequence {
     /// How much time the method may take for a better image: low, medium, high or ultra; high by default.
     #[arg(long)]
     quality: Option<Quality>,
-    /// Folder, address or name of the network of the method `learned`; by default models/EFFECT.
+    /// Folder, address or name of the network of the method `learned`; by default models/EFFECT, else the
+    /// program's own.
     #[arg(long, value_parser = crate::learned::place)]
     model: Option<Location>,
     /// Mixes each image with what the frames before made of the same surfaces.

@@ -11,6 +11,7 @@ mod equal_error;
 mod hall;
 mod on_gpu;
 mod scaling;
+mod simple_march;
 mod subject;
 
 use anyhow::{Context, Result};
@@ -33,7 +34,8 @@ use subject::{FogView, Kind, Setup, View};
     deepshade-studies epipolar --full --json epipolar.json\n\n\
     In the JSON file speedup_SCENE_VIEW is the time of the march with the fewest steps whose relative \
     squared error is no larger than that of the trees, over theirs; speedup_SCENE_VIEW_quarter is that of \
-    trees of a quarter of the light rays. VIEW is `sun` with the sun in the image and `side` without. \
+    trees of a quarter of the light rays, and speedup_simple_SCENE_VIEW that over the march that the paper \
+    compares with, one step after the other. VIEW is `sun` with the sun in the image and `side` without. \
     sampling_SCENE_VIEW is the same of epipolar sampling, null where that does not become as good. \
     gpu_ratio_SCENE_VIEW is that of `gpu-march` over `gpu-epipolar`, on the GPU (on a software adapter of \
     images of 96x72 pixels). slope_tree and slope_march are of log time against log(srd) / 3.")]

@@ -19,6 +19,7 @@ mod program;
 mod prove;
 mod python;
 mod release;
+mod site;
 mod targets;
 mod test;
 mod unchanged;
@@ -59,8 +60,9 @@ enum Verb {
     /// arguments.
     Crosscheck(Passed),
     /// Tests what deepshade is used from: the page's package in headless Chromium, in a page of its own and
-    /// in three.js, beside onnxruntime-web; and the Python package with PyTorch, in an environment below the
-    /// target folder (some gigabytes).
+    /// in three.js, beside onnxruntime-web; the Python package with PyTorch, in an environment below the
+    /// target folder (some gigabytes); the crate for Bevy, which a nightly compiler builds; and the add-on
+    /// with Blender as a Python module. Where one fails, the others are tested nonetheless.
     Hosts(hosts::Args),
     /// Makes networks in `models` from nothing: data, training, export, test set, evaluation, parity, and
     /// what more steps would bring, from trainings of half and a quarter of them; hours. Given again it goes
@@ -88,6 +90,9 @@ enum Verb {
     /// Builds the web page as static files: the program as WebAssembly, the networks, and what is shown where
     /// a browser has no WebGPU. On Debian it installs a compiler for browsers where rustup has none.
     Web(web::Args),
+    /// Makes one folder of static files of the web page, the book (by mdBook), the library's documentation and
+    /// the networks with their cards, and checks the links of the first page.
+    Site(site::Args),
 }
 
 /// Arguments for another program.
@@ -132,6 +137,7 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Release(args) => release::run(&args),
         Verb::Unchanged(args) => unchanged::run(&args),
         Verb::Web(args) => web::run(args),
+        Verb::Site(args) => site::run(&args),
     }
 }
 

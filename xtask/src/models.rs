@@ -79,6 +79,13 @@ const GI: Task = Task {
     qualities: "low,medium",
 };
 
+const PHOSPHOR_GI: Task = Task {
+    stream: "phosphor-gi",
+    tests: &[("testset", "phosphor-gi-test")],
+    methods: "learned,surfel",
+    qualities: "medium,high",
+};
+
 const DO: Task = Task {
     stream: "do",
     tests: &[("testset", "do-test")],
@@ -112,7 +119,7 @@ const fn of_filter(
 ///
 /// Images of indirect light, most of which are dark, want a lower rate. At 0.004 the weights grew without
 /// bound, to where structural similarity has no gradient.
-const BUDGETS: [Budget; 13] = [
+const BUDGETS: [Budget; 14] = [
     Budget { name: "aa", steps: 1_200, data: on(&AA, ["corrected", "12", "fxaa:high"]), ..FILTER },
     Budget { name: "dof", steps: 2_500, data: on(&DOF, ["corrected", "16", "ring-gather:high"]), ..FILTER },
     Budget {
@@ -130,6 +137,12 @@ const BUDGETS: [Budget; 13] = [
         crop: 128,
         rate: "0.003",
         data: Data::Pairs("gi-paper"),
+    },
+    Budget {
+        name: "phosphor-gi",
+        steps: 2_000,
+        data: on(&PHOSPHOR_GI, ["corrected", "24", "surfel:medium"]),
+        ..CORRECTED
     },
     Budget { name: "do", steps: 5_000, data: on(&DO, ["corrected", "16", "ssdo:medium"]), ..CORRECTED },
     Budget {

@@ -39,6 +39,16 @@ impl Program {
         Self::named("deepshade-studies")
     }
 
+    /// One that is somewhere else.
+    ///
+    /// # Errors
+    /// If it is not there.
+    pub fn at(path: &Path) -> Result<Self> {
+        let path = std::path::absolute(path)?;
+        ensure!(path.is_file(), "there is no program {}", path.display());
+        Ok(Self(path))
+    }
+
     fn named(name: &str) -> Self {
         Self(target().join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
     }

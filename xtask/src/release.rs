@@ -1,12 +1,17 @@
 //! `cargo xtask release`: all that people install, in one folder with checksums.
 
+mod steps;
+
 use crate::command::{self, cargo, command, root, succeeds, target};
-use crate::package;
 use crate::web::toolchain::has_target;
+use crate::{figures, package};
 use anyhow::{Context, Result, bail, ensure};
+use serde_json::{Map, json};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Instant;
+use steps::{STEPS, Step};
 
 /// What is made, and of what.
 #[derive(clap::Args)]
@@ -19,6 +24,9 @@ pub struct Args {
     /// The folder; by default release-VERSION below the target folder.
     #[arg(long)]
     out: Option<PathBuf>,
+    /// Writes the figures here as JSON: the size of each file, and how long it took to make it.
+    #[arg(long)]
+    json: Option<PathBuf>,
 }
 
 /// A tool, how to ask whether it is there, and how to get it.
@@ -29,24 +37,22 @@ const TOOLS: [(&[&str], &str); 4] = [
     (&["npm", "--version"], "apt-get install npm"),
 ];
 
-/// What goes into the archive beside the program: from the repository, and where to. The program looks for
-/// networks in `share` beside its own `bin`.
-const ARCHIVED: [(&str, &str); 6] = [
-    ("models", "share/deepshade"),
-    ("dataset/recipes", "share/deepshade"),
-    ("README.md", ""),
-    ("CHANGELOG.md", ""),
-    ("LICENSE-MIT", ""),
-    ("LICENSE-APACHE", ""),
-];
-
 /// What is made for one machine, into one folder.
-struct Release<'a> {
+struct Release {
     version: String,
-    triple: &'a str,
+    triple: String,
     /// Whether it is for this machine.
     is_native: bool,
     out: PathBuf,
+}
+
+/// What was made.
+struct Made {
+    /// As figures call it.
+    name: &'static str,
+    file: String,
+    bytes: u64,
+    seconds: f64,
 }
 
 /// Makes everything.
@@ -58,113 +64,74 @@ pub fn run(args: &Args) -> Result<()> {
     let missing: Vec<&str> = missing.map(|(_, install)| *install).collect();
     ensure!(missing.is_empty(), "tools are missing; install them with\n    {}", missing.join("\n    "));
     let (version, host) = (version()?, host()?);
-    let triple = args.triple.as_deref().unwrap_or(&host);
-    if triple != host && !has_target(triple)? {
+    let triple = args.triple.clone().unwrap_or_else(|| host.clone());
+    let is_native = triple == host;
+    if !is_native && !has_target(&triple)? {
         bail!("there is no standard library for {triple}: rustup target add {triple}");
     }
     let usual = || target().join(format!("release-{version}"));
     let out = std::path::absolute(args.out.clone().unwrap_or_else(usual))?;
     fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let release = Release { version, triple, is_native: triple == host, out };
-    let program = release.program()?;
-    release.archive(&program)?;
-    release.debian_package()?;
-    release.wheel()?;
-    release.for_npm()?;
-    release.for_blender()?;
-    release.components()?;
-    release.checksums()
+    let release = Release { version, triple, is_native, out };
+    let mut made = vec![release.build()?];
+    for step in STEPS {
+        made.push(release.make(step)?);
+    }
+    release.checksums()?;
+    let figures: Vec<(String, f64)> = made.iter().flat_map(Made::figures).collect();
+    let files: Map<_, _> = made.iter().map(|one| (one.name.to_owned(), json!(one.file))).collect();
+    let details = json!({ "version": release.version, "target": release.triple, "files": files });
+    figures::write(args.json.as_deref(), "release", &figures, details)
 }
 
-impl Release<'_> {
+impl Made {
+    /// Of a file that was made since some time.
+    fn since(begin: Instant, name: &'static str, path: &Path) -> Result<Self> {
+        let seconds = begin.elapsed().as_secs_f64();
+        let bytes = path.metadata().with_context(|| path.display().to_string())?.len();
+        let file = file_name(path)?.to_string_lossy().into_owned();
+        Ok(Self { name, file, bytes, seconds })
+    }
+
+    fn figures(&self) -> [(String, f64); 2] {
+        let Self { name, bytes, seconds, .. } = self;
+        [(format!("mb_{name}"), *bytes as f64 / 1e6), (format!("seconds_{name}"), *seconds)]
+    }
+}
+
+impl Release {
     /// Builds the program as packages have it.
-    fn program(&self) -> Result<PathBuf> {
-        let words = [&package::BUILD[..], &["--target", self.triple]].concat();
+    fn build(&self) -> Result<Made> {
+        let begin = Instant::now();
+        let words = [&package::BUILD[..], &["--target", &self.triple]].concat();
         command::run(&mut cargo(if self.is_native { &package::BUILD[..] } else { &words }))?;
-        let folder = if self.is_native { target() } else { target().join(self.triple) };
-        Ok(folder.join("release/deepshade"))
+        Made::since(begin, "program", &self.program())
     }
 
-    /// `deepshade-VERSION-TRIPLE.tar.gz`: `bin`, `share` and documents in a folder of that name.
-    fn archive(&self, program: &Path) -> Result<()> {
-        let name = format!("deepshade-{}-{}", self.version, self.triple);
-        let stage = target().join("release-stage");
-        let folder = stage.join(&name);
-        if folder.exists() {
-            fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
-        }
-        package::copy(program, &folder.join("bin/deepshade"))?;
-        for (from, to) in ARCHIVED {
-            package::copy(&root().join(from), &folder.join(to).join(file_name(Path::new(from))?))?;
-        }
-        let archive = self.out.join(format!("{name}.tar.gz")).display().to_string();
-        let stage = stage.display().to_string();
-        // Test sets are for those who have the repository.
-        let plain = ["--owner=0", "--group=0", "--numeric-owner", "--sort=name", "--exclude=testset*"];
-        let words = [&plain[..], &["-C", &stage, "-czf", &archive, &name]].concat();
-        command::run(&mut command("tar", &words))?;
-        fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
+    /// Where the program is built.
+    fn program(&self) -> PathBuf {
+        let folder = if self.is_native { target() } else { target().join(&self.triple) };
+        folder.join("release/deepshade")
     }
 
-    fn debian_package(&self) -> Result<()> {
-        let out = self.out.display().to_string();
-        let words = ["deb", "--no-build", "--locked", "--output", &out];
-        let of_target = [&words[..], &["--target", self.triple]].concat();
-        command::run(&mut cargo(if self.is_native { &words[..] } else { &of_target }))
-    }
-
-    /// For pip: the program beside the Python package.
-    fn wheel(&self) -> Result<()> {
-        let out = self.out.display().to_string();
-        let words = ["build", "--release", "--strip", "--features", "store", "--out", &out];
-        let of_target = [&words[..], &["--target", self.triple]].concat();
-        let words = if self.is_native { &words[..] } else { &of_target };
-        command::run(command("maturin", words).current_dir(root().join("python")))
-    }
-
-    fn for_npm(&self) -> Result<()> {
-        let out = self.out.display().to_string();
-        let words = ["pack", "--silent", "--pack-destination", &out];
-        command::run(command("npm", &words).current_dir(root().join("js")))
-    }
-
-    /// Blender installs an add-on from its one file.
-    fn for_blender(&self) -> Result<()> {
-        let addon = root().join("blender/deepshade_addon.py");
-        // Its name is that of a Python module.
-        package::copy(&addon, &self.out.join("deepshade_addon.py"))
-    }
-
-    /// The list of components in CycloneDX's form, of the program's features.
-    fn components(&self) -> Result<()> {
-        let name = format!("deepshade-{}-{}.cdx", self.version, self.triple);
-        let features = ["--features", "store", "--target", self.triple];
-        let words = [&["cyclonedx", "--format", "json", "--override-filename", &name][..], &features];
-        let written = command::run(&mut cargo(&words.concat()));
-        let file = format!("{name}.json");
-        let copied = written.and_then(|()| package::copy(&root().join(&file), &self.out.join(&file)));
-        // It writes one beside each manifest.
-        for folder in members()? {
-            let beside = folder.join(&file);
-            if beside.is_file() {
-                fs::remove_file(&beside).with_context(|| beside.display().to_string())?;
-            }
-        }
-        copied
+    /// Makes a file in a folder of its own, so that it is known which one it is, and puts it to the others.
+    fn make(&self, (name, step): Step) -> Result<Made> {
+        let begin = Instant::now();
+        let stage = empty(&target().join("release-stage").join(name))?;
+        step(self, &stage).with_context(|| name.to_owned())?;
+        let files = files(&stage)?;
+        let [file] = &files[..] else { bail!("{name}: not one file but {}", files.join(", ")) };
+        package::copy(&stage.join(file), &self.out.join(file))?;
+        let made = Made::since(begin, name, &self.out.join(file))?;
+        fs::remove_dir_all(&stage).with_context(|| stage.display().to_string())?;
+        Ok(made)
     }
 
     /// `SHA256SUMS` of all files of the folder, as sha256sum checks them.
     fn checksums(&self) -> Result<()> {
         const SUMS: &str = "SHA256SUMS";
-        let mut names = Vec::new();
-        for entry in fs::read_dir(&self.out).with_context(|| self.out.display().to_string())? {
-            let entry = entry?;
-            if entry.file_type()?.is_file() {
-                names.push(entry.file_name().to_string_lossy().into_owned());
-            }
-        }
+        let mut names = files(&self.out)?;
         names.retain(|name| name != SUMS);
-        names.sort();
         let output = output(command("sha256sum", &names).current_dir(&self.out))?;
         fs::write(self.out.join(SUMS), &output)?;
         for name in names {
@@ -176,11 +143,25 @@ impl Release<'_> {
     }
 }
 
-/// The repository's root and the folders in it.
-fn members() -> Result<Vec<PathBuf>> {
-    let entries = fs::read_dir(root()).context("the repository's root")?;
-    let inside = entries.map(|entry| Ok(entry?.path()));
-    std::iter::once(Ok(root())).chain(inside).collect()
+/// A folder with nothing in it.
+fn empty(folder: &Path) -> Result<PathBuf> {
+    let cleared = if folder.exists() { fs::remove_dir_all(folder) } else { Ok(()) };
+    let made = cleared.and_then(|()| fs::create_dir_all(folder));
+    made.with_context(|| folder.display().to_string())?;
+    Ok(folder.to_owned())
+}
+
+/// Names of the files in a folder.
+fn files(folder: &Path) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let entry = entry?;
+        if entry.file_type()?.is_file() {
+            names.push(entry.file_name().to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
 }
 
 fn file_name(path: &Path) -> Result<&std::ffi::OsStr> {
@@ -207,4 +188,17 @@ fn output(command: &mut Command) -> Result<String> {
     let output = command.output()?;
     ensure!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr).trim());
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_say_of_which_file_they_are() {
+        let made = Made { name: "wheel", file: "a.whl".to_owned(), bytes: 2_500_000, seconds: 3.0 };
+        assert_eq!(made.figures(), [("mb_wheel".to_owned(), 2.5), ("seconds_wheel".to_owned(), 3.0)]);
+        let names: std::collections::BTreeSet<_> = STEPS.iter().map(|(name, _)| name).collect();
+        assert_eq!(names.len(), STEPS.len(), "one figure of two files");
+    }
 }

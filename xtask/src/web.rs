@@ -19,9 +19,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The page's own files, and the style that it shares with the pages of comparisons.
-const STATIC: &str = "src/web/static";
+pub const STATIC: &str = "src/web/static";
 const STYLE: &str = "src/report/page.css";
-/// The files of a network that the page reads.
+/// The folder of shipped networks, and the files of one that the page reads.
+const MODELS: &str = "models";
 const OF_MODEL: [&str; 2] = ["net.json", "weights.safetensors"];
 
 /// What is done with the page.
@@ -69,7 +70,10 @@ pub fn again() -> Result<()> {
 }
 
 /// Builds everything into a folder.
-fn build(out: &Path) -> Result<()> {
+///
+/// # Errors
+/// If something is missing and cannot be installed, or does not build.
+pub fn build(out: &Path) -> Result<()> {
     fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     let module = toolchain::compile()?;
     let bindgen = toolchain::bindgen()?;
@@ -88,25 +92,33 @@ fn build(out: &Path) -> Result<()> {
     Program::studies().run(&["web", "--out", &out.join("recorded").display().to_string()])
 }
 
-/// The shipped networks, and their list.
+/// Copies the shipped networks, and writes their list.
 fn models(into: &Path) -> Result<()> {
-    let shipped = root().join("models");
-    let folders = fs::read_dir(&shipped).with_context(|| shipped.display().to_string())?;
-    let mut names = Vec::new();
-    for folder in folders {
-        let folder = folder?;
-        if !folder.path().join(OF_MODEL[0]).is_file() {
-            continue;
-        }
-        let to = into.join(folder.file_name());
+    let names = networks()?;
+    for name in &names {
+        let (from, to) = (root().join(MODELS).join(name), into.join(name));
         fs::create_dir_all(&to).with_context(|| to.display().to_string())?;
         for file in OF_MODEL {
-            copy(&folder.path().join(file), &to.join(file))?;
+            copy(&from.join(file), &to.join(file))?;
         }
-        names.push(folder.file_name().to_string_lossy().into_owned());
+    }
+    figures::write_text(&into.join("models.json"), &format!("{}\n", json!(names)))
+}
+
+/// The names of the shipped networks, in order.
+///
+/// # Errors
+/// If their folder cannot be read.
+pub fn networks() -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for folder in fs::read_dir(root().join(MODELS)).context(MODELS)? {
+        let folder = folder?;
+        if folder.path().join(OF_MODEL[0]).is_file() {
+            names.push(folder.file_name().to_string_lossy().into_owned());
+        }
     }
     names.sort();
-    figures::write_text(&into.join("models.json"), &format!("{}\n", json!(names)))
+    Ok(names)
 }
 
 fn copy(from: &Path, to: &Path) -> Result<()> {

@@ -16,6 +16,8 @@ from deepshade.spec import NetSpec
 
 #: Share of the positive values that do not exceed 1 when light is exposed.
 WITHIN = 0.99
+#: The most that an estimate comes to, over that, where it is all light that is read.
+BRIGHTEST = 64.0
 #: Largest factor of light.
 MOST = 1e18
 
@@ -72,4 +74,7 @@ def exposure(layers: Mapping[str, Tensor], spec: NetSpec) -> Tensor:
     if lit.numel() == 0:
         return torch.tensor(brightness)
     bright = lit.kthvalue(int((lit.numel() - 1) * WITHIN) + 1).values
+    if names == ["estimate"]:
+        # The rest may be dimmer than what a lamp lights by any number.
+        bright = bright.maximum(lit.max() / BRIGHTEST)
     return brightness * (1.0 / bright).clamp(max=MOST)

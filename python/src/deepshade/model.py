@@ -15,6 +15,7 @@ from torch import Tensor
 from deepshade import spec_check, spec_json
 from deepshade.balance import balanced
 from deepshade.errors import ModelError, SpecError
+from deepshade.named import model_folder
 from deepshade.network import Network
 from deepshade.spec import NetSpec
 
@@ -27,13 +28,19 @@ OTHERS = ("model.onnx", "card.md")
 PARITY_SIZE = (75, 101)
 
 
-def load_model(folder: str | os.PathLike[str]) -> Network:
+def load_model(folder: str | os.PathLike[str], program: str = "deepshade") -> Network:
     """The network of a model folder, in evaluation mode.
 
-    Raises `ModelError` where a file is missing or damaged, states what is not known, or does not fit the
-    other.
+    A mere name that no folder here has, such as "ao", is that of a network that deepshade's program has;
+    `program` is the program's name or path. Raises `ModelError` where a file is missing or damaged, states
+    what is not known, or does not fit the other, or there is no network of that name.
     """
-    folder = Path(folder)
+    with model_folder(folder, program) as place:
+        return _load(place)
+
+
+def _load(folder: Path) -> Network:
+    """The network of a folder that is there."""
     spec = load_spec(folder)
     network = Network(spec)
     tensors = read_tensors(folder / WEIGHTS)

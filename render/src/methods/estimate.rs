@@ -161,9 +161,9 @@ impl Estimator {
         EstimateError::Scene { layer: self.makes()[0].name(), method: self.method() }
     }
 
-    /// Whether a g-buffer has all that it makes.
-    pub fn is_made(&self, gbuffer: &GBuffer) -> bool {
-        self.makes().iter().all(|made| gbuffer.attributes().contains(made))
+    /// Whether all that it makes is among the attributes of a g-buffer.
+    pub fn is_made(&self, held: &[Attribute]) -> bool {
+        self.makes().iter().all(|made| held.contains(made))
     }
 
     /// What it makes of a frame, plane after plane, in vector instructions where the method has such a
@@ -198,7 +198,7 @@ pub fn with_estimates(
 ) -> Result<GBuffer, EstimateError> {
     let mut with = inputs.gbuffer.clone();
     for estimator in estimators {
-        if !estimator.is_made(&with) {
+        if !estimator.is_made(with.attributes()) {
             with = with.with(estimator.makes(), &estimator.on_processor(inputs)?);
         }
     }

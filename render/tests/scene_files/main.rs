@@ -2,6 +2,7 @@
 //! hand, and damaged ones give errors that name the damage.
 
 mod build;
+mod compressed;
 mod damaged;
 mod data;
 mod environment;

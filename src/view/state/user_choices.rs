@@ -55,7 +55,7 @@ pub fn first_methods(effect: Effect, is_network: bool) -> Vec<&'static str> {
     methods::names_of(effect).into_iter().filter(there).take(2).collect()
 }
 
-/// Whether there is a network for an effect: in a folder, or where none is named in that of the shipped one.
+/// Whether there is a network for an effect: in a folder, or where none is named in the usual one.
 pub fn is_network(model: Option<&Path>, effect: Effect) -> bool {
     learned::is_network(&model.map_or_else(|| learned::usual_folder(effect), Path::to_owned))
 }

@@ -1,5 +1,6 @@
 //! Trees and their rivals at equal error.
 
+use super::simple_march;
 use super::subject::{FogView, Way};
 use super::table_number;
 use deepshade::shared::figures::Figures;
@@ -43,6 +44,8 @@ pub struct TreeAgainstMarch {
     tree: TimeAndError,
     /// Its steps, and what it is; `None` if no march is.
     march: Option<(u32, TimeAndError)>,
+    /// Seconds of the march step by step, of as many.
+    simple_march: Option<f64>,
 }
 
 /// Epipolar sampling.
@@ -151,17 +154,27 @@ impl TreeAgainstMarch {
         let (radiance, _) = subject.once(tree, pool);
         let Some(steps) = reference.fewest_steps(subject, reference.error_of_image(&radiance)) else {
             let [tree] = subject.timed([tree], pool);
-            return Self { light_rays, tree: measured(&tree), march: None };
+            return Self { light_rays, tree: measured(&tree), march: None, simple_march: None };
         };
         let march =
             ray_march::RayMarchParameters { steps, ..ray_march::RayMarchParameters::of(Quality::High) };
         let [tree, march] = subject.timed([tree, &|lit, radiance| march.add(lit, radiance)], pool);
-        Self { light_rays, tree: measured(&tree), march: Some((steps, measured(&march))) }
+        Self {
+            light_rays,
+            tree: measured(&tree),
+            march: Some((steps, measured(&march))),
+            simple_march: simple_march::seconds(subject, steps, pool),
+        }
     }
 
     /// How many times as long the march takes; no number if none is as good.
     fn speedup(&self) -> f64 {
         self.march.map_or(f64::NAN, |(_, march)| march.seconds / self.tree.seconds)
+    }
+
+    /// How many times as long the march takes step by step; no number if none is as good.
+    fn speedup_over_simple(&self) -> f64 {
+        self.simple_march.map_or(f64::NAN, |seconds| seconds / self.tree.seconds)
     }
 }
 
@@ -185,6 +198,7 @@ impl ViewOutcome {
         let Self { name, comparisons: [all, quarter], sampling, min_max } = self;
         figures.set(&format!("speedup_{name}"), all.speedup());
         figures.set(&format!("speedup_{name}_quarter"), quarter.speedup());
+        figures.set(&format!("speedup_simple_{name}"), all.speedup_over_simple());
         figures.set(&format!("relmse_tree_{name}"), all.tree.relmse);
         figures.set(&format!("relmse_march_{name}"), all.march.map_or(f64::NAN, |(_, march)| march.relmse));
         figures.set(&format!("seconds_tree_{name}"), all.tree.seconds);
@@ -204,6 +218,7 @@ impl ViewOutcome {
             json!({
                 "light_rays": comparison.light_rays, "tree": measured(&comparison.tree),
                 "march": comparison.march.as_ref().map(|(steps, found)| json!([steps, measured(found)])),
+                "simple_march_seconds": comparison.simple_march,
             })
         };
         json!({
@@ -267,6 +282,8 @@ pub fn rows(outcomes: &[ViewOutcome]) -> Vec<Vec<String>> {
         "steps",
         "march s",
         "speed-up",
+        "simple march s",
+        "speed-up",
         "sampling",
         "min/max s",
     ];
@@ -292,6 +309,10 @@ pub fn rows(outcomes: &[ViewOutcome]) -> Vec<Vec<String>> {
                 march(&|(steps, _)| steps.to_string()),
                 march(&|(_, found)| format!("{:.2}", found.seconds)),
                 march(&|(_, found)| format!("{:.1}", found.seconds / comparison.tree.seconds)),
+                comparison.simple_march.map_or(String::new(), |seconds| format!("{seconds:.1}")),
+                comparison
+                    .simple_march
+                    .map_or(String::new(), |_| format!("{:.0}", comparison.speedup_over_simple())),
                 first(sampling),
                 first(format!("{:.3}", min_max.seconds)),
             ]);
@@ -318,6 +339,7 @@ mod tests {
                 "{comparison:?}"
             );
             assert!(comparison.speedup() > 0.0 && comparison.speedup().is_finite(), "{comparison:?}");
+            assert!(comparison.speedup_over_simple() > 0.0, "{comparison:?}");
         }
         // As good, to what chance decides of pixels that were not compared alike.
         let [all, _] = outcome.comparisons;

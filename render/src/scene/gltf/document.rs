@@ -1,7 +1,7 @@
 //! A glTF file as a whole: its validated JSON and the bytes of its buffers.
 
 use super::super::{SceneError, file};
-use super::check;
+use super::{check, compressed};
 use gltf::{
     Document, Gltf, Semantic,
     json::{Path as JsonPath, Root, validation},
@@ -10,12 +10,15 @@ use std::path::Path;
 use validation::{Checked, Error, Validate};
 
 /// Extensions that a file may require. Unlit materials are drawn as if lit, which that extension allows.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 6] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
@@ -24,20 +27,22 @@ pub(super) const SUPPORTED_EXTENSIONS: [&str; 6] = [
 pub(super) struct File<'a> {
     pub path: &'a Path,
     pub document: Document,
-    /// The bytes of each buffer, as many as it declares.
+    /// The bytes of each buffer, as many as it declares; none of one that is not read.
     pub buffers: Vec<Vec<u8>>,
 }
 
 impl<'a> File<'a> {
-    /// Reads and validates a file, and reads its buffers.
+    /// Reads and validates a file, reads its buffers and decodes what is compressed in them.
     pub fn open(path: &'a Path) -> Result<Self, SceneError> {
         let bytes = file::read(path)?;
         let (root, blob) = parse(&bytes).map_err(|what| SceneError::invalid(path, what))?;
         validate(&root).map_err(|what| SceneError::invalid(path, what))?;
         let document = Document::from_json_without_validation(root);
-        let mut file = Self { path, document, buffers: Vec::new() };
-        file.buffers = file.read_buffers(blob)?;
-        Ok(file)
+        let file = Self { path, document, buffers: Vec::new() };
+        let buffers = file.read_buffers(blob)?;
+        let (root, buffers) = compressed::unpack(file.document.into_json(), buffers)
+            .map_err(|what| SceneError::invalid(path, what))?;
+        Ok(Self { path, document: Document::from_json_without_validation(root), buffers })
     }
 
     /// An error about something in this file.
@@ -70,12 +75,15 @@ impl<'a> File<'a> {
     /// The bytes of all buffers. `blob` is the binary chunk of a .glb file, which a first buffer without URI
     /// stands for.
     fn read_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, SceneError> {
-        self.document
-            .as_json()
-            .buffers
+        let root = self.document.as_json();
+        let unread = compressed::unread(root).map_err(|what| self.invalid(what))?;
+        root.buffers
             .iter()
             .enumerate()
             .map(|(index, buffer)| {
+                if unread[index] {
+                    return Ok(Vec::new());
+                }
                 let mut bytes = match &buffer.uri {
                     Some(uri) => self.resource(uri)?,
                     None if index == 0 => blob

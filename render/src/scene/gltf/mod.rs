@@ -10,6 +10,7 @@
 mod animation;
 mod buffers;
 mod check;
+mod compressed;
 mod document;
 mod instances;
 mod light;
