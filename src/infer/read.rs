@@ -43,9 +43,9 @@ pub fn read(wanted: &ReadRequest<'_>, spec: &NetSpec) -> Result<Read> {
     let estimates = learned::estimated(spec)?;
     let asked_for = [&attributes[..], &[Attribute::Valid], &for_check, &estimates.concat()].concat();
     let file = exr_file::read_gbuffer(wanted.path, &asked_for, wanted.layer).map_err(with_option)?;
-    let held = |made: &&&[Attribute]| made.iter().all(|made| file.attributes().contains(made));
+    let held = |made: &&&[Attribute]| made.iter().all(|made| file.has(*made));
     attributes.extend(estimates.iter().filter(held).copied().flatten());
-    if !attributes.contains(&Attribute::Valid) && file.attributes().contains(&Attribute::Valid) {
+    if !attributes.contains(&Attribute::Valid) && file.has(Attribute::Valid) {
         attributes.push(Attribute::Valid);
     }
     let windows = file.windows(&attributes).map_err(with_option)?;

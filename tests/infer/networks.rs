@@ -147,6 +147,26 @@ fn world_normals_are_mended_as_normals_are() {
 }
 
 #[test]
+fn an_estimate_that_a_file_holds_is_taken_and_else_made() {
+    let aa = Tried::shipped("aa");
+    let read = [Attribute::Normal, Attribute::Position, Attribute::Light];
+    let with = [&read[..], &[Attribute::Estimate]].concat();
+    aa.write(&read, as_it_is);
+    let (made, _) = aa.image(&[]);
+    let of = |factor: f32| {
+        aa.write(&with, |attribute, _, value| match attribute {
+            Attribute::Estimate => value.into_iter().map(|value| factor * value).collect(),
+            _ => value,
+        });
+        aa.image(&[]).0
+    };
+    let mean = |image: &[f32]| image.iter().sum::<f32>() / image.len() as f32;
+    let (held, brighter) = (of(1.0), of(3.0));
+    assert!(mean(&brighter) > 1.2 * mean(&held), "{} of {}", mean(&brighter), mean(&held));
+    assert!(made.iter().zip(&held).any(|(a, b)| (a - b).abs() > 0.1), "fxaa makes another");
+}
+
+#[test]
 fn an_option_that_touches_nothing_that_is_read_is_refused() {
     let aa = Tried::of(Effect::Aa);
     aa.write(&AA, as_it_is);

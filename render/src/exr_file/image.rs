@@ -65,10 +65,9 @@ impl ExrImage {
         self.world_to_camera
     }
 
-    /// The attributes of which all channels are there, be it more than once.
-    pub fn attributes(&self) -> Vec<Attribute> {
-        let is_there = |channel| names::find(&self.names, channel) != Found::Nothing;
-        Attribute::ALL.into_iter().filter(|attribute| attribute.channels().all(is_there)).collect()
+    /// Whether all channels of an attribute are there, be it more than once.
+    pub fn has(&self, attribute: Attribute) -> bool {
+        attribute.channels().all(|channel| names::find(&self.names, channel) != Found::Nothing)
     }
 
     /// Some attributes as a g-buffer. A pixel counts as one where nothing is seen, and all its channels
