@@ -21,7 +21,7 @@ use deepshade_render::scene::camera::FIELD_OF_VIEW;
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::EffectSetting;
 use deepshade_train::TrainConfig;
-use deepshade_train::export::{CARD_FILE, Facts, export, measured};
+use deepshade_train::export::{CARD_FILE, Facts, export, measured, onnx};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use translated::{Language, translated};
@@ -31,15 +31,16 @@ const LICENCE: &str = "MIT OR Apache-2.0";
 
 /// Turns a training run into a model folder: weights, spec, ONNX file, card, and an image to check runtimes
 /// with; or a model, one that the program brings too, into WGSL files for any engine or a folder of its own;
-/// or writes what was measured into a model's card.
+/// or an ONNX file in half floats; or writes what was measured into a model's card.
 #[derive(clap::Args)]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["run", "model"])))]
-#[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics"])))]
+#[command(group(clap::ArgGroup::new("made").multiple(true).args(["out", "wgsl", "metrics", "onnx_half"])))]
 #[command(after_help = "Examples:\n  \
     deepshade export --run runs/ao --out models/ao --metrics eval.json\n  \
     deepshade export --model models/ao --wgsl shaders/ao\n  \
     deepshade export --model models/ao --wgsl shaders/ao --also hlsl\n  \
     deepshade export --model models/ao --metrics eval.json\n  \
+    deepshade export --model models/ao --onnx-half ao-f16.onnx\n  \
     deepshade export --model ao --out models/ao    # the program's own, as files\n\n\
     --wgsl writes a compute shader for every pass from a g-buffer to the image, packed weights, \
     network.json with the passes and what they bind, a frame to check with, and HOST.md, which says what a \
@@ -64,6 +65,9 @@ pub struct Args {
     /// Feature maps of the WGSL files in half floats.
     #[arg(long, requires = "wgsl")]
     half: bool,
+    /// An ONNX file in half floats, whose input and output are 32-bit floats still.
+    #[arg(long, value_name = "FILE", value_parser = crate::arguments::written_file)]
+    onnx_half: Option<PathBuf>,
     /// Folder or address of the dataset that the run was trained on, where it has moved since.
     #[arg(long)]
     dataset: Option<Location>,
@@ -90,12 +94,14 @@ pub fn run(args: &Args) -> Result<()> {
             (out, model)
         }
         (_, out, Some(location)) => {
+            let both = out.is_some() && args.metrics.is_some();
+            ensure!(!both, "--metrics goes into the card of --model: it does not go with --out");
             let model = Model::load(&location.read()?)?;
             args.metrics.as_deref().map_or(Ok(()), |file| measure(location, &model, file))?;
             out.as_ref().map_or(Ok(()), |out| copied(&model, out))?;
             (out.as_ref().unwrap_or(location), model)
         }
-        _ => anyhow::bail!("--run with --out, or --model with --out, --wgsl or --metrics"),
+        _ => anyhow::bail!("--run with --out, or --model with --out, --wgsl, --metrics or --onnx-half"),
     };
     if let Some(folder) = &args.wgsl {
         let precision = if args.half { Precision::F16 } else { Precision::F32 };
@@ -103,6 +109,7 @@ pub fn run(args: &Args) -> Result<()> {
         let more = args.also.map(|language| translated(&files, language)).transpose()?;
         folder::replace(folder, &[files, more.unwrap_or_default()].concat())?;
     }
+    args.onnx_half.as_deref().map_or(Ok(()), |file| write_half(&model, file))?;
     let weights = model.spec.weight_count();
     let mut figures = Figures::new("export");
     figures.set("weights", weights as f64);
@@ -117,6 +124,12 @@ fn copied(model: &Model, out: &Location) -> Result<()> {
     let work = out.begin()?;
     model.save(&work)?;
     work.finish()
+}
+
+/// Writes the ONNX file of a model in half floats.
+fn write_half(model: &Model, file: &Path) -> Result<()> {
+    let half = onnx::halved(&onnx::encode(model)).with_context(|| file.display().to_string())?;
+    write_atomically(file, &half)
 }
 
 /// Writes results into the card of a model that is there.

@@ -17,9 +17,9 @@ use deepshade_render::method::{MethodError, Repeats};
 use deepshade_render::raster::Frame;
 use deepshade_render::raster::frame::{FrameStage, RasterSettings};
 use deepshade_render::raster::since::Since;
-#[cfg(feature = "view")]
-use deepshade_render::scene::Light;
 use deepshade_render::scene::{AnimatedScene, Camera};
+#[cfg(feature = "view")]
+use deepshade_render::scene::{Glow, Light};
 use deepshade_render::screen::reprojection::{Reprojection, ReprojectionParameters};
 use deepshade_render::screen::{GpuGBuffer, Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu, GpuError, PassClock, Stamps};
@@ -146,6 +146,13 @@ impl Live {
     #[cfg(feature = "view")]
     pub fn set_lights(&mut self, lights: &[Light]) {
         self.frame.set_lights(&self.gpu.queue, lights);
+    }
+
+    /// Gives what keeps light other paints from the next frame on, as if it had always had these. Whether
+    /// that can be without going to the GPU anew.
+    #[cfg(feature = "view")]
+    pub fn set_glow(&mut self, glow: &Arc<Glow>) -> bool {
+        self.frame.set_glow(&self.gpu.queue, glow)
     }
 
     /// Runs the network with other weights from the next frame on. Whether it is the same but for these, and

@@ -1,5 +1,5 @@
 //! `deepshade parity`: whether the forms of a network agree: burn, the plain reference, WGSL, the CPU engine,
-//! and the exported file in onnxruntime.
+//! and the exported file in onnxruntime, as it is and in half floats.
 //!
 //! Each is compared element by element with onnxruntime's CPU provider, and that one with the reference; WGSL
 //! in every kind of kernels that the device runs. Random weights are compared on noise, in both orders of
@@ -18,14 +18,19 @@ use deepshade_shaders::{Effect, Planes, gpu::Gpu};
 use deepshade_train::export::{ONNX_FILE, onnx};
 use serde_json::json;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What the lines say.
 const EXPLANATION: &str = "largest differences from onnxruntime's image of a pixel and channel; reference: plain Rust, \
-    wgsl and wgsl_gpu: kernels for software adapters and for graphics cards, wgsl_half: those in half floats";
+    wgsl and wgsl_gpu: kernels for software adapters and for graphics cards, wgsl_half: those in half floats, \
+    onnxruntime_half: the file in half floats";
 
 /// The kernels in half floats, as figures name them.
 const HALF: &str = "wgsl_half";
+
+/// onnxruntime with the file in half floats, as figures name it. Of that its CPU provider rounds the weights
+/// and a few layers, and computes the others in 32 bits: less than half floats may do.
+const ONNX_HALF: &str = "onnxruntime_half";
 
 /// Checks that burn, the reference, WGSL, the CPU engine and onnxruntime agree.
 #[derive(clap::Args)]
@@ -35,7 +40,7 @@ const HALF: &str = "wgsl_half";
     other: contiguous (all of the coarser, then all of the finer) and interleaved (group by group). A \
     network is tried on noise and on a frame of a room, in half floats on the frame alone. Each form may differ by \
     1e-4 of the image's root mean square or of 1, whichever is greater, half floats by 2.5e-3 of its largest \
-    magnitude or of 1.")]
+    magnitude or of 1, the ONNX file in half floats by 1e-2 of that.")]
 pub struct Args {
     /// Folder, address or name of a network; without it, random weights only.
     #[arg(long, value_parser = crate::learned::place)]
@@ -158,6 +163,21 @@ struct ExportedModel<'a> {
     file: PathBuf,
 }
 
+impl ExportedModel<'_> {
+    /// The file in half floats.
+    fn in_half(&self) -> Result<Vec<u8>> {
+        let half = || -> Result<Vec<u8>> { Ok(onnx::halved(&std::fs::read(&self.file)?)?) };
+        half().with_context(|| self.file.display().to_string())
+    }
+
+    /// The file with what every layer makes.
+    fn with_layers(&self) -> Result<Vec<u8>> {
+        let layers =
+            || -> Result<Vec<u8>> { Ok(onnx::with_layers(&std::fs::read(&self.file)?, &self.model.spec)?) };
+        layers().with_context(|| self.file.display().to_string())
+    }
+}
+
 /// What is put into a network.
 #[derive(Clone, Copy)]
 enum Image {
@@ -188,6 +208,7 @@ impl Check<'_> {
     /// Compares all forms of a network on images of each size.
     fn sizes(&mut self, subject: &ExportedModel<'_>, sizes: &[Size], images: &[Image]) -> Result<()> {
         let mut session = self.onnxruntime.session(&subject.file, rayon::current_num_threads())?;
+        let mut half_session = self.session_of(&subject.in_half()?)?;
         let kernels = kernels(&self.gpu, subject.model)?;
         for Size { width, height } in sizes {
             for image in images {
@@ -198,10 +219,15 @@ impl Check<'_> {
                 let kernels: Vec<&Wgsl> =
                     kernels.iter().filter(|kernel| in_half || kernel.form != HALF).collect();
                 let oracle = session.image(&input)?;
-                let comparisons = self.comparisons(subject.model, &kernels, &input, &oracle)?;
+                let mut comparisons = self.comparisons(subject.model, &kernels, &input, &oracle)?;
+                if in_half {
+                    let made = half_session.image(&input)?;
+                    let half = Comparison::within(&oracle, &made, onnx::ONNX_HALF_TOLERANCE);
+                    comparisons.push((ONNX_HALF, half));
+                }
                 self.take(&what, &comparisons);
                 if !comparisons.iter().all(|(_, comparison)| comparison.agrees()) {
-                    self.explain(&what, subject, &kernels, &input)?;
+                    self.explain(&what, subject, &kernels, &input, in_half)?;
                 }
             }
         }
@@ -248,17 +274,23 @@ impl Check<'_> {
     fn explain(
         &mut self,
         what: &str,
-        ExportedModel { model, file, .. }: &ExportedModel<'_>,
+        subject: &ExportedModel<'_>,
         kernels: &[&Wgsl],
         input: &Planes,
+        in_half: bool,
     ) -> Result<()> {
         let known = self.faults.len();
+        let (model, with_layers) = (subject.model, subject.with_layers()?);
         let plain = reference::layers(&model.spec, &model.weights, input);
         let mut forms = vec![
             ("cpu", cpu_layers(model, input)?, TOLERANCE),
             ("burn", deepshade_train::layers_burn(&model.spec, &model.weights, input), TOLERANCE),
-            ("onnxruntime", self.onnxruntime_layers(model, file, input)?, TOLERANCE),
+            ("onnxruntime", self.onnxruntime_layers(model, &with_layers, input)?, TOLERANCE),
         ];
+        if in_half {
+            let layers = self.onnxruntime_layers(model, &onnx::halved(&with_layers)?, input)?;
+            forms.push((ONNX_HALF, layers, onnx::ONNX_HALF_TOLERANCE));
+        }
         for Wgsl { form, network, tolerance } in kernels {
             forms.push((form, forward::run_layers(network, &self.gpu.queue, input)?, *tolerance));
         }
@@ -276,16 +308,19 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// What every layer of the file makes.
-    fn onnxruntime_layers(&self, model: &Model, file: &Path, input: &Planes) -> Result<Vec<Activation>> {
-        let bytes = std::fs::read(file).with_context(|| file.display().to_string())?;
-        let folder = tempfile::tempdir()?;
-        let with_layers = folder.path().join(ONNX_FILE);
-        let bytes = onnx::with_layers(&bytes, &model.spec).with_context(|| file.display().to_string())?;
-        std::fs::write(&with_layers, bytes)?;
-        let outputs = self.onnxruntime.session(&with_layers, rayon::current_num_threads())?.run(input)?;
+    /// What every layer of a file makes that gives them all.
+    fn onnxruntime_layers(&self, model: &Model, file: &[u8], input: &Planes) -> Result<Vec<Activation>> {
+        let outputs = self.session_of(file)?.run(input)?;
         let layers = model.spec.layers().into_iter().map(|layer| layer.name);
         Ok(layers.zip(outputs).map(|(layer, (_, planes))| Activation { layer, planes }).collect())
+    }
+
+    /// Loads a file that is in memory.
+    fn session_of(&self, bytes: &[u8]) -> Result<onnxruntime::Session> {
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join(ONNX_FILE);
+        std::fs::write(&file, bytes).with_context(|| file.display().to_string())?;
+        self.onnxruntime.session(&file, rayon::current_num_threads())
     }
 
     /// Compares the reference with the image that was stored when the model was exported.

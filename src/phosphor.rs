@@ -1,7 +1,7 @@
 //! `deepshade phosphor`: phosphorescent materials, those that there are, those that are measured and those
 //! that are designed (thesis, sections 8.4 and 8.6).
 
-mod design;
+pub mod design;
 mod fit;
 mod materials;
 mod particles;

@@ -3,10 +3,11 @@
 //! Threads work for the window ([`workers`]), most for their newest request alone: [`method_worker`] makes
 //! frames on a device of its own, [`truth`] refines truth while nothing moves, [`metrics`] measures one
 //! against the other, `training_run` follows a training run, `training_process` waits for the end of one,
-//! [`file_worker`] reads and writes files. The window waits for none of them.
+//! [`file_worker`] reads and writes files, `design::place` finds light of places. The window waits for none.
 
 mod canvas;
 mod catch_panic;
+mod design;
 mod display_image;
 mod figures;
 mod file_worker;
@@ -38,7 +39,9 @@ mod zoom;
 use crate::arguments::{check_size, reach};
 use crate::complete::{Additions, listeners};
 use crate::exposure_time;
+use crate::learned;
 use crate::location::Location;
+use crate::phosphor::design::task::Task;
 use crate::props;
 use crate::views::Viewpoint;
 use anyhow::{Result, anyhow, bail};
@@ -46,6 +49,7 @@ use deepshade_render::methods::Quality;
 use deepshade_render::scene::SceneSource;
 use deepshade_shaders::Effect;
 use deepshade_shaders::effect::EffectSetting;
+use design::GlowDesign;
 use eframe::egui::{self, ViewportBuilder};
 use eframe::egui_wgpu::WgpuConfiguration;
 use eframe::wgpu::CurrentSurfaceTexture;
@@ -101,9 +105,9 @@ pub struct Args {
     /// Moment of animations at the beginning, seconds.
     #[arg(long, default_value_t = 0.0)]
     time: f32,
-    /// Folder, address or name of the network of `learned`, by default models/EFFECT; the folder of a training
-    /// run is followed: its weights are run from each checkpoint on.
-    #[arg(long, value_parser = crate::learned::place)]
+    /// Folder, address or name of the network of `learned`, by default models/EFFECT, else the program's own;
+    /// the folder of a training run is followed: its weights are run from each checkpoint on.
+    #[arg(long, value_parser = network)]
     model: Option<Location>,
     /// Chooses sampled views, added lights and all other random numbers.
     #[arg(long, default_value_t = 0)]
@@ -111,6 +115,10 @@ pub struct Args {
     /// An EXR file whose layers are seen beside the methods.
     #[arg(long)]
     exr: Option<PathBuf>,
+    /// Key frames of glow to begin with: of a file (.toml) as `deepshade phosphor design` reads, its first place,
+    /// states and length. Lamps are the scene's.
+    #[arg(long)]
+    key_frames: Option<PathBuf>,
     /// Writes an image of the window here as PNG, once truth has --spp samples and figures are there, and
     /// ends.
     #[arg(long, value_parser = crate::arguments::png_file)]
@@ -124,6 +132,11 @@ pub struct Args {
     viewpoint: Viewpoint,
     #[command(flatten)]
     additions: Additions,
+}
+
+/// Reads where a network is, or will be once its training has begun.
+fn network(text: &str) -> Result<Location, String> {
+    learned::place(text).or_else(|_| text.parse())
 }
 
 impl Args {
@@ -141,6 +154,10 @@ pub fn run(args: &Args) -> Result<()> {
     let outcome = Arc::new(Mutex::new(WindowFigures::new()));
     check_size(["--height", "--width"], [args.height, args.width])?;
     listeners::check(args.effect, EffectSetting::Radius, &[("--radius", args.radius.is_some())])?;
+    let key_frames = [("--key-frames", args.key_frames.is_some())];
+    listeners::check(args.effect, EffectSetting::Phosphor, &key_frames)?;
+    // What is wrong with the file is said where no window is yet.
+    args.key_frames.as_deref().map(Task::read).transpose()?;
     let state = State::new(args)?;
     let mut options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
@@ -186,6 +203,9 @@ fn open(state: State, outcome: Arc<Mutex<WindowFigures>>, context: &egui::Contex
     let args = Arc::clone(&state.args);
     let screenshot = args.screenshot.clone().map(Screenshot::new);
     let mut window = Window::new(state, Workers::new(&args, context)?, screenshot, outcome);
+    if let Some(file) = &args.key_frames {
+        window.design = GlowDesign::of(&Task::read(file)?);
+    }
     args.exr.iter().for_each(|file| window.send(FileTask::Open(file.clone())));
     Ok(window)
 }

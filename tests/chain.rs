@@ -3,6 +3,7 @@
 #![cfg(feature = "train")]
 
 use deepshade_infer::Model;
+use deepshade_train::export::onnx;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -81,6 +82,17 @@ fn a_network_that_the_program_brings_is_written_into_a_folder() {
     let message = String::from_utf8_lossy(&output.stderr);
     assert!(!output.status.success() && message.contains("own holds a network already"), "{message}");
     assert!(model(&chain.path("own")) == model(&shipped), "what was there");
+}
+
+#[test]
+fn a_network_is_written_as_an_onnx_file_in_half_floats() {
+    let chain = Chain(tempfile::tempdir().expect("a folder"));
+    chain.figures("export --model ao-small --onnx-half half.onnx", &["weights"]);
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/ao-small");
+    let whole = onnx::encode(&Model::load(&shipped).expect("a network"));
+    let half = std::fs::read(chain.path("half.onnx")).expect("a file");
+    assert!(half == onnx::halved(&whole).expect("halves"), "another file");
+    assert!(3 * half.len() < 2 * whole.len(), "{} of {} bytes", half.len(), whole.len());
 }
 
 #[test]

@@ -40,6 +40,8 @@ fn random_weights_agree_at_even_and_odd_sizes() {
         assert!(max_abs <= 1e-4 * 1.5, "{form}: {max_abs}");
         assert!(max_abs > 0.0, "{form} is compared with itself");
     }
+    let half = figures["max_abs_onnxruntime_half"].as_f64().expect("a number");
+    assert!(half > 1e-4, "{half}: 32-bit floats");
 }
 
 #[test]
@@ -83,7 +85,8 @@ fn networks_with_other_heads_than_the_image_agree() {
         let output = parity_of(Some(folder.path()), "16x16,64x48,67x45", &json);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let software = model.spec.u_net().map(|_| "wgsl");
-        for form in ["reference", "wgsl_gpu", "cpu", "burn", "onnxruntime"].into_iter().chain(software) {
+        let forms = ["reference", "wgsl_gpu", "cpu", "burn", "onnxruntime", "onnxruntime_half"];
+        for form in forms.into_iter().chain(software) {
             assert!(figures(&json)[format!("max_abs_{form}")].as_f64().expect("a number") > 0.0, "{form}");
         }
     }

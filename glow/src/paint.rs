@@ -82,6 +82,17 @@ impl Paint {
         Ok(Self { name: name.clone(), states })
     }
 
+    /// A material in RGB that does the same in images.
+    pub fn material(&self) -> Material {
+        let state = |state: &PaintState| State {
+            decay: state.decay.into(),
+            excitation: state.excitation.as_dvec3().to_array().to_vec(),
+            emission: state.emitted().to_array().to_vec(),
+        };
+        let states = self.states.iter().map(state).collect();
+        Material { name: self.name.clone(), bands: Bands::Rgb, doubt: None, states }
+    }
+
     /// The excited share of each state after a past, which began with `start` of each excited. What is no
     /// amount of light is none, and endless light fills a state.
     pub fn after(&self, start: f32, past: impl Iterator<Item = LightInterval> + Clone) -> [f32; MOST_STATES] {
@@ -131,6 +142,12 @@ impl PaintState {
         is_finite.then_some(Self { decay, excitation, emission })
     }
 
+    /// The re-radiation function, linear RGB; a state that does not decay is dark.
+    fn emitted(&self) -> DVec3 {
+        let decay = f64::from(self.decay);
+        if decay > 0.0 { self.emission.as_dvec3() / decay } else { DVec3::ZERO }
+    }
+
     /// The rate at which irradiance excites it, per second, at most [`FASTEST`]. A colour that does not
     /// excite does nothing, even where its light is endless.
     pub fn charge(&self, irradiance: Vec3) -> f32 {
@@ -162,6 +179,24 @@ mod tests {
         });
         let [halogen, _, mercury, ..] = charges;
         assert!(mercury > 1.5 * halogen, "what excites is blue: {mercury} {halogen}");
+    }
+
+    #[test]
+    fn a_paint_s_material_is_the_same_paint() {
+        let presets = MaterialFile::presets();
+        let known = presets.materials.iter().filter(|material| material.excitation_is_known());
+        for material in known.filter(|material| material.states.len() <= MOST_STATES) {
+            let paint = Paint::new(material, Some(Light::Mercury)).expect("few states");
+            let again = Paint::new(&paint.material(), None).expect("as many");
+            let off = |a: Vec3, b: Vec3| (a - b).abs().max_element() > 1e-6 * b.abs().max_element();
+            for (state, own) in again.states.iter().zip(&paint.states) {
+                assert_eq!((state.decay, state.excitation), (own.decay, own.excitation), "{}", paint.name);
+                assert!(!off(state.emission, own.emission), "{}", paint.name);
+            }
+        }
+        let dark = PaintState { decay: 0.0, excitation: Vec3::ONE, emission: Vec3::ONE };
+        let paint = Paint { name: "dark".to_owned(), states: vec![dark] };
+        assert_eq!(paint.material().states[0].emission, [0.0; 3]);
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //! `deepshade-glow` says what they are, its conventions hold here.
 //!
 //! What a material is can be measured ([`fit`]), or asked for by how it should look ([`design`]);
-//! [`self_test`] says whether fits can be believed. [`simulation`] is a material at one place through time.
+//! [`wish`] is that for one place, by key frames that are set by hand. [`self_test`] says whether fits can be
+//! believed. [`simulation`] is a material at one place through time.
 //! [`particles`] makes scene files of simulated particles that glow.
 
 pub mod curves;
@@ -15,3 +16,4 @@ pub mod particles;
 pub mod self_test;
 pub mod simulation;
 pub mod table;
+pub mod wish;

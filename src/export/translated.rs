@@ -11,8 +11,8 @@ use naga::{Module, ResourceBinding, ShaderStage};
 /// A language of shaders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Language {
-    /// For Direct3D: shader model 6.0, with half floats 6.2; uniforms in b0, what is read in t, what is
-    /// written in u, space 0
+    /// For Direct3D: HLSL 2018, shader model 6.0, with half floats 6.2; uniforms in b0, what is read in t,
+    /// what is written in u, space 0
     Hlsl,
     /// For OpenGL: version 4.50, bindings as in WGSL
     Glsl,

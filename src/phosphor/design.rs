@@ -1,10 +1,10 @@
 //! `deepshade phosphor design`: materials by how places of a scene should look (thesis, section 8.6).
 
-mod light;
+pub mod light;
 mod pictures;
 mod spread;
 mod strip;
-mod task;
+pub mod task;
 
 use crate::figures::{Figures, write_atomically};
 use crate::table;

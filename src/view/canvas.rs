@@ -1,5 +1,6 @@
 //! Where images are seen: over each other or beside each other, and the mouse and keys that move the camera.
 
+use super::design::pick;
 use super::legend;
 use super::lights;
 use super::probe;
@@ -74,6 +75,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
             probe::show(ui, &response, place, &shown, None);
             let held = enlarge(ui, &response, &[place], window)
                 || drag_border(ui, &response, place.seen, window, &names);
+            pick::show(ui, &response, &[place], window);
             lights::handles(ui, &response, &[place], window, held)
         }
         Arrangement::Tiles => {
@@ -90,6 +92,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
                 probe::show(ui, &response, places[index], &shown, Some(index));
             }
             let held = enlarge(ui, &response, &places, window);
+            pick::show(ui, &response, &places, window);
             lights::handles(ui, &response, &places, window, held)
         }
     };

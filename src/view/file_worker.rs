@@ -2,6 +2,7 @@
 //! disk.
 
 use super::catch_panic::catch_panic;
+use super::design::written::{GLOW, WANTED, Written};
 use super::display_image::{DisplayImage, rgb};
 use super::film::{self, Still};
 use super::layers::{Choice, Opened};
@@ -18,6 +19,8 @@ use std::sync::{Arc, mpsc};
 pub enum FileTask {
     /// Writes what was shown at a moment into a folder.
     Save(Box<Snapshot>, PathBuf),
+    /// Writes what was designed into a folder.
+    Design(Box<Written>, PathBuf),
     /// Writes an image of the window.
     Screenshot(Arc<ColorImage>, PathBuf),
     /// Reads an EXR file.
@@ -53,7 +56,7 @@ pub fn run(tasks: mpsc::Receiver<FileTask>, send: SendUpdate<'_>) {
 impl FileTask {
     const fn name(&self) -> &'static str {
         match self {
-            Self::Save(..) | Self::Screenshot(..) => "saving",
+            Self::Save(..) | Self::Design(..) | Self::Screenshot(..) => "saving",
             Self::Open(_) | Self::Layers(_) => "opening an EXR file",
             Self::Frame(..) | Self::Film(_) => "recording",
         }
@@ -64,6 +67,10 @@ impl FileTask {
             Self::Save(snapshot, folder) => {
                 saved::save(snapshot, folder)?;
                 FileResult::Note(format!("saved in {}", folder.display()))
+            }
+            Self::Design(written, folder) => {
+                written.write(folder)?;
+                FileResult::Note(format!("{WANTED} and {GLOW} are in {}", folder.display()))
             }
             Self::Screenshot(image, path) => {
                 write_png(path, &rgb(image))?;

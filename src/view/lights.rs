@@ -209,7 +209,7 @@ fn turned(camera: &Camera, direction: Vec3, drag: Vec2) -> Vec3 {
 }
 
 /// Where a point is seen on an image at `place`; nowhere behind the camera and beside the image.
-fn on_screen(camera: &Camera, point: Vec3, place: Rect) -> Option<Pos2> {
+pub fn on_screen(camera: &Camera, point: Vec3, place: Rect) -> Option<Pos2> {
     let [height, width] = pixels(place);
     let pixel = camera.project(camera.to_camera(point), height, width)?;
     let at = place.min + (pos2(pixel.x, pixel.y) - Pos2::ZERO) * (place.height() / height as f32);
@@ -226,7 +226,7 @@ fn dragged(camera: &Camera, point: Vec3, place: Rect, pointer: Pos2) -> Vec3 {
 }
 
 /// Rows and columns of an image whose pixels are points of the window, about.
-fn pixels(place: Rect) -> [usize; 2] {
+pub fn pixels(place: Rect) -> [usize; 2] {
     [place.height(), place.width()].map(|side| side.round().max(1.0) as usize)
 }
 

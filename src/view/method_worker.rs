@@ -20,7 +20,7 @@ use deepshade_infer::Model;
 use deepshade_render::method::{Frame, Method, Repeats};
 use deepshade_render::methods::Quality;
 use deepshade_render::methods::dials::{Changes, Tuning};
-use deepshade_render::scene::{Camera, Light, SceneSource};
+use deepshade_render::scene::{Camera, Glow, Light, SceneSource};
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
 use std::collections::BTreeMap;
@@ -59,6 +59,8 @@ pub struct Show {
     pub models_opened: u32,
     /// Its weights, where a training run makes new ones; by default those in the folder.
     pub trained: Option<Trained>,
+    /// What keeps light, where it was designed in the window; by default what the scene has.
+    pub glow: Option<Arc<Glow>>,
 }
 
 /// Weights that a training run has come to; others than these where they were read at another time.
@@ -135,7 +137,7 @@ impl MethodWorker {
         let show = &request.show;
         let subject = self.subject(args, show, send)?;
         let camera = request.camera.unwrap_or(subject.controller.camera);
-        let kept = self.scene.take().map(|scene| scene.suited_to(show)).transpose()?.flatten();
+        let kept = self.scene.take().map(|scene| scene.suited_to(show, &subject)).transpose()?.flatten();
         let scene = match kept {
             Some(scene) => scene,
             None => {
@@ -175,15 +177,20 @@ impl MethodWorker {
     }
 
     /// The scene, read anew where another one is wanted, another effect of it, or the same as its files are
-    /// now.
+    /// now; with other paints where such were designed.
     fn subject(&mut self, args: &Args, show: &Show, send: SendUpdate<'_>) -> Result<Arc<PreparedScene>> {
-        if let Some((opened, subject)) = &self.subject
-            && (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
-        {
-            return Ok(Arc::clone(subject));
-        }
-        self.scene = None;
-        let subject = Arc::new(PreparedScene::load(args, &show.source, show.effect)?);
+        let known = self.subject.as_ref().filter(|(opened, subject)| {
+            (&subject.source, subject.effect, *opened) == (&show.source, show.effect, show.scenes_opened)
+        });
+        let read = match known {
+            Some((_, subject)) if subject.designed == show.glow => return Ok(Arc::clone(subject)),
+            Some((_, subject)) => Arc::clone(subject),
+            None => {
+                self.scene = None;
+                Arc::new(PreparedScene::load(args, &show.source, show.effect)?)
+            }
+        };
+        let subject = read.with_glow(show.glow.as_ref());
         send(Update::PreparedScene(Arc::clone(&subject)));
         self.subject = Some((show.scenes_opened, Arc::clone(&subject)));
         Ok(subject)
@@ -247,8 +254,16 @@ impl LiveScene {
         Ok(warning)
     }
 
-    /// Itself, where it makes what is wanted, or comes to by newer weights of its network.
-    fn suited_to(mut self, show: &Show) -> Result<Option<Self>> {
+    /// Itself, where it makes what is wanted, or comes to by newer weights of its network, or other paints.
+    fn suited_to(mut self, show: &Show, subject: &PreparedScene) -> Result<Option<Self>> {
+        if self.show.glow != show.glow {
+            // Passes of other effects are made for how bright paints are.
+            let glow = subject.animated.scene.glow.as_ref().filter(|_| show.effect == Effect::Phosphor);
+            if !glow.is_some_and(|glow| self.live.set_glow(glow)) {
+                return Ok(None);
+            }
+            self.show.glow.clone_from(&show.glow);
+        }
         if self.show == *show {
             return Ok(Some(self));
         }

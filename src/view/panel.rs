@@ -1,5 +1,6 @@
 //! The choices beside the images.
 
+use super::design;
 use super::figures;
 use super::film;
 use super::layers;
@@ -34,6 +35,7 @@ pub fn show(ui: &mut Ui, window: &mut Window) {
         ui.separator();
         effect(ui, window);
         parameters::show(ui, &mut window.state);
+        design::show(ui, window);
         ui.separator();
         look(ui, window);
         layers::show(ui, window);

@@ -104,6 +104,9 @@ fn head(picture: &MethodFrame, folder: &Path) -> String {
     if picture.lights != picture.subject.animated.scene.lights {
         lines.push("Lights are where the scene has them, not where they were dragged to.".to_owned());
     }
+    if picture.request.show.glow.is_some() {
+        lines.push("Surfaces glow as the scene has it, not as it was designed in the window.".to_owned());
+    }
     if picture.request.show.temporal {
         lines.push("Images were mixed with those of the frames before; here they are not.".to_owned());
     }

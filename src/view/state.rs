@@ -98,6 +98,7 @@ impl State {
             model: model.as_deref().map(Path::to_owned),
             models_opened: 0,
             trained: None,
+            glow: None,
         };
         #[cfg(feature = "train")]
         let awaits_network = none_wanted && awaits_network(&show);
@@ -133,6 +134,7 @@ impl State {
     /// The same one is read anew, and seen as it was.
     pub fn open(&mut self, source: SceneSource, was_read: bool) {
         self.show.scenes_opened += 1;
+        self.show.glow = None;
         if source == self.show.source {
             return;
         }

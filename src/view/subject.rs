@@ -36,6 +36,10 @@ pub struct PreparedScene {
     rigged: Vec<bool>,
     /// How long the shutter is open, seconds; 0 for effects that do not show it.
     shutter: f32,
+    /// What keeps light as the scene has it.
+    own_glow: Option<Arc<Glow>>,
+    /// And as it was designed instead.
+    pub designed: Option<Arc<Glow>>,
     /// The scene for rays, at the moment that was asked for last.
     traced: Mutex<Option<(f32, Arc<TracedScene>)>>,
 }
@@ -75,9 +79,35 @@ impl PreparedScene {
             diagonal: animated_view.diagonal,
             space,
             rigged: rigged(&animated_view.animated),
+            own_glow: animated_view.animated.scene.glow.clone(),
+            designed: None,
             animated: animated_view.animated,
             shutter: if effect.listens_to(EffectSetting::Shutter) { args.shutter() } else { 0.0 },
             traced: Mutex::new(None),
+        })
+    }
+
+    /// The same where other paints keep light, if any does: designed ones, or without these the scene's own.
+    pub fn with_glow(self: Arc<Self>, designed: Option<&Arc<Glow>>) -> Arc<Self> {
+        if self.designed.as_ref() == designed {
+            return self;
+        }
+        let glow = self.own_glow.as_ref().map(|own| Arc::clone(designed.unwrap_or(own)));
+        let animated = &self.animated;
+        let scene = Scene { glow, ..animated.scene.clone() };
+        Arc::new(Self {
+            animated: AnimatedScene { scene, rigs: animated.rigs.clone() },
+            source: self.source.clone(),
+            effect: self.effect,
+            controller: self.controller,
+            added: self.added.clone(),
+            diagonal: self.diagonal,
+            space: self.space,
+            rigged: self.rigged.clone(),
+            shutter: self.shutter,
+            own_glow: self.own_glow.clone(),
+            designed: designed.cloned(),
+            traced: Mutex::default(),
         })
     }
 
@@ -236,6 +266,23 @@ mod tests {
                 "as bright as the user has it"
             );
         }
+    }
+
+    #[test]
+    fn designed_paints_replace_the_scene_s_own_and_give_way_to_them() {
+        let args = args("--scene still-life:1 --effect phosphor --height 16 --width 16");
+        let load = |effect| Arc::new(PreparedScene::load(&args, &args.scene, effect).expect("a scene"));
+        let subject = load(Effect::Phosphor);
+        let own = subject.animated.scene.glow.clone().expect("all glows");
+        let designed = Arc::new(Glow { surfaces: Vec::new(), ..Glow::clone(&own) });
+        let glow = |subject: &PreparedScene| subject.animated.scene.glow.clone();
+        let other = Arc::clone(&subject).with_glow(Some(&designed));
+        assert!([glow(&other), other.designed.clone()].iter().all(|glow| glow.as_ref() == Some(&designed)));
+        let seen = other.traced(1.0, &other.lights(None)).expect("a moment");
+        assert!(Glow::of(seen.scene()).surfaces.is_empty(), "rays see it, too");
+        assert_eq!(glow(&other.with_glow(None)), Some(own));
+        assert!(Arc::ptr_eq(&Arc::clone(&subject).with_glow(None), &subject));
+        assert_eq!(glow(&load(Effect::Ao).with_glow(Some(&designed))), None, "nothing glows there");
     }
 
     /// The lamp goes on for a second and shines from second 0 on: poses of the past have it, as bright as the

@@ -1,6 +1,7 @@
 //! The window in egui's harness: its own panel and canvas, clicked by the labels that people see, with its
 //! own workers.
 
+mod designs;
 mod files;
 mod films;
 #[cfg(feature = "train")]

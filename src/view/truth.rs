@@ -13,9 +13,9 @@ use anyhow::Result;
 use deepshade_render::metrics::{Scores, exposed, exposure};
 use deepshade_render::path::estimate::SCRAMBLINGS;
 use deepshade_render::path::{Refinement, Shot, Taken};
-use deepshade_render::scene::{Camera, Light, SceneSource};
+use deepshade_render::scene::{Camera, Glow, Light, SceneSource};
 use deepshade_shaders::{Effect, Planes};
-use std::sync::Weak;
+use std::sync::{Arc, Weak};
 use std::time::Instant;
 
 /// What truth is of.
@@ -27,6 +27,8 @@ pub struct ViewKey {
     pub effect: Effect,
     /// How often the user had opened a scene when it was read: its files may be other ones each time.
     pub scenes_opened: u32,
+    /// What keeps light in it, where that was designed.
+    pub glow: Option<Arc<Glow>>,
     /// The scene, as long as the window shows it: truth that is kept keeps no scenes.
     pub subject: Weak<PreparedScene>,
     /// From where it is seen.
@@ -45,6 +47,7 @@ impl PartialEq for ViewKey {
     /// A scene that was completed again, as for another effect in between, is the same one.
     fn eq(&self, other: &Self) -> bool {
         (&self.source, self.scenes_opened, self.effect) == (&other.source, other.scenes_opened, other.effect)
+            && self.glow == other.glow
             && (self.camera, self.time, &self.lights, self.radius, self.size)
                 == (other.camera, other.time, &other.lights, other.radius, other.size)
     }

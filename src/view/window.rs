@@ -1,6 +1,7 @@
 //! The window: takes what the workers have made, requests what the user wants next, and shows it.
 
 mod animation;
+mod design;
 mod files;
 mod messages;
 mod requests;
@@ -11,6 +12,7 @@ mod training;
 mod updates;
 
 use super::canvas;
+use super::design::GlowDesign;
 use super::display_image::DisplayImage;
 use super::film::Recording;
 use super::layers::FileLayers;
@@ -49,6 +51,8 @@ pub struct Window {
     pub layers: FileLayers,
     /// Files that are written and read.
     pub files: Files,
+    /// Key frames of glow, and what was found for them.
+    pub design: GlowDesign,
     /// The film that is being recorded.
     pub recording: Option<Recording>,
     /// Trainings that the window begins and follows.
@@ -92,6 +96,7 @@ impl Window {
             messages: Messages::default(),
             layers: FileLayers::default(),
             files: Files::default(),
+            design: GlowDesign::default(),
             recording: None,
             #[cfg(feature = "train")]
             training: Training::default(),
@@ -110,6 +115,7 @@ impl Window {
         self.fade_messages(context);
         self.advance_animation(context);
         self.record_frame();
+        self.request_place();
         self.request_picture();
         self.request_truth();
         self.request_metrics();

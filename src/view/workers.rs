@@ -1,6 +1,7 @@
 //! The threads that work for the window, what it requests from them, and what they send back.
 
 use super::Args;
+use super::design::place::{self, Asked, Found};
 use super::file_worker::{self, FileResult, FileTask};
 use super::method_worker::{self, MethodFrame};
 use super::metrics::{self, Metrics};
@@ -28,6 +29,8 @@ pub enum Update {
     Truth(Truth),
     /// Images were measured.
     Metrics(Metrics),
+    /// A place of key frames was found, or why what was asked cannot be.
+    Place(Result<Box<Found>, (Box<Asked>, String)>),
     /// A training run has come on.
     #[cfg(feature = "train")]
     TrainingRun(TrainingRun),
@@ -56,6 +59,8 @@ pub struct Workers {
     pub methods: Arc<RequestSlot<method_worker::Request>>,
     /// Truth.
     pub truth: Arc<RequestSlot<truth::Request>>,
+    /// Places of key frames, and their light.
+    pub place: Arc<RequestSlot<place::Request>>,
     /// Figures of images against truth.
     pub metrics: Arc<RequestSlot<metrics::Request>>,
     /// The folder of the training run that is followed, if any.
@@ -105,6 +110,7 @@ impl Workers {
         let mut workers = Self {
             methods: Arc::default(),
             truth: Arc::default(),
+            place: Arc::default(),
             metrics: Arc::default(),
             #[cfg(feature = "train")]
             training_run: Arc::default(),
@@ -120,6 +126,8 @@ impl Workers {
         workers.slow.push(spawn("methods", &sender, run)?);
         let truth = Arc::clone(&workers.truth);
         workers.slow.push(spawn("truth", &sender, move |send| truth::run(&truth, send))?);
+        let place = Arc::clone(&workers.place);
+        workers.slow.push(spawn("place", &sender, move |send| place::run(&place, send))?);
         let metrics = Arc::clone(&workers.metrics);
         workers.slow.push(spawn("metrics", &sender, move |send| metrics::run(&metrics, send))?);
         #[cfg(feature = "train")]
@@ -147,6 +155,7 @@ impl Drop for Workers {
     fn drop(&mut self) {
         self.methods.close();
         self.truth.close();
+        self.place.close();
         self.metrics.close();
         #[cfg(feature = "train")]
         self.training_run.close();

@@ -90,8 +90,8 @@ enum Verb {
     /// Builds the web page as static files: the program as WebAssembly, the networks, and what is shown where
     /// a browser has no WebGPU. On Debian it installs a compiler for browsers where rustup has none.
     Web(web::Args),
-    /// Makes one folder of static files of the web page, the book (by mdBook), the library's documentation and
-    /// the networks with their cards, and checks the links of the first page.
+    /// Makes one folder of static files of the web page, the book (by mdBook), the library's documentation
+    /// and the networks with their cards, and checks the links of its first pages.
     Site(site::Args),
 }
 

@@ -83,11 +83,15 @@ fn ensure_replaceable(out: &Path) -> Result<()> {
     if !out.exists() {
         return Ok(());
     }
+    let mut is_empty = true;
     for entry in fs::read_dir(out).with_context(|| out.display().to_string())? {
         let name = entry?.file_name();
         let is_ours = name == INDEX || PARTS.iter().any(|(part, _)| name == *part);
         ensure!(is_ours, "{} is no site: it holds {}", out.display(), name.display());
+        is_empty = false;
     }
+    let is_site = PARTS.iter().all(|(part, _)| out.join(part).is_dir());
+    ensure!(is_site || is_empty, "{} is no site: it lacks a part of one", out.display());
     Ok(())
 }
 
@@ -137,9 +141,10 @@ mod tests {
     fn a_site_is_replaced_whole_and_nothing_else_is() {
         let folder = std::env::temp_dir().join(format!("deepshade-site-{}", std::process::id()));
         let (out, partial) = (folder.join("site"), beside(&folder.join("site"), "partial").expect("a name"));
-        for (file, text) in [(out.join("book/stale.html"), "old"), (partial.join("book/new.html"), "news")] {
-            figures::write_text(&file, text).expect("written");
-        }
+        figures::write_text(&out.join("book/stale.html"), "old").expect("written");
+        figures::write_text(&partial.join("book/new.html"), "news").expect("written");
+        ensure_replaceable(&out).expect_err("a folder that is called as a part of one");
+        PARTS.iter().for_each(|(part, _)| fs::create_dir_all(out.join(part)).expect("made"));
         ensure_replaceable(&out).expect("a site");
         replace(&out, &partial).expect("replaced");
         assert!(out.join("book/new.html").is_file() && !out.join("book/stale.html").exists());

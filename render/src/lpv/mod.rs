@@ -18,6 +18,7 @@ pub mod propagation;
 pub mod scheme;
 pub mod series;
 pub mod sides;
+pub mod sky;
 pub mod studies;
 #[cfg(test)]
 mod tests;

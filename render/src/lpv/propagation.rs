@@ -66,8 +66,11 @@ pub struct Kinds {
     pub unscattered: usize,
     /// Whether light goes on that was scattered.
     pub scattered: bool,
-    /// Whether what sends light goes on sending it; kinds are the sides to which it does.
+    /// Whether what sends light goes on sending it; kinds, if there are several, are the sides to which it
+    /// does.
     pub is_steady: bool,
+    /// Whether surfaces reflect what met no medium on and on, without scattered light.
+    pub is_reflected: bool,
 }
 
 /// Light as it is shown: its flux and energy times the length of its way in each cell, watts times cells, of
@@ -91,7 +94,7 @@ impl CellFluence {
     /// That of one kind of one, or of two that met no medium and of scattered light, or of a side, in a cell.
     pub fn of_kind(&self, kinds: Kinds, kind: usize, cell: usize) -> Light {
         let last = self.by_surfaces[cell];
-        if kinds.is_steady {
+        if kinds.is_steady && kinds.count() > 1 {
             return last.map(|light| if side_of(light.xyz()) == kind { light } else { Vec4::ZERO });
         }
         match kind + 1 {
@@ -119,6 +122,11 @@ pub struct Field {
     pub shown: CellFluence,
 }
 
+/// What cells keep of light.
+fn lobes_of(scheme: Scheme, light: &[Light]) -> Vec<Kept> {
+    light.iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect()
+}
+
 /// What arrives in a cell of one colour: moments of each kind, and flux and energy as they are shown.
 #[derive(Clone, Copy)]
 struct Arriving {
@@ -131,6 +139,9 @@ struct Arriving {
 }
 
 impl Kinds {
+    /// Light that met nothing yet, until it does.
+    pub const ONE: Self = Self { unscattered: 1, scattered: false, is_steady: false, is_reflected: false };
+
     /// All of them.
     pub const fn count(self) -> usize {
         self.unscattered + self.scattered as usize
@@ -141,9 +152,14 @@ impl Kinds {
         match kind + 1 < self.unscattered {
             _ if self.is_steady => None,
             true => Some(kind + 1),
-            false if self.scattered => Some(kind),
+            false if self.goes_on() => Some(kind),
             false => None,
         }
+    }
+
+    /// Whether light of the last kind is reflected, or scattered, again and again.
+    pub const fn goes_on(self) -> bool {
+        self.scattered || self.is_reflected
     }
 
     /// Whether light of a kind is scattered light.
@@ -178,25 +194,31 @@ impl Arriving {
 impl Field {
     /// Before the first iteration: light that surfaces send and, if scattered light goes on too, that.
     pub fn new(volume: &Volume, kinds: Kinds, sent: &[Light], scattered: &[Light]) -> Self {
-        let begun = kinds.is_steady.then(|| Begun::new(volume, sent));
-        let none = vec![Light::default(); sent.len()];
         let scheme = volume.scheme;
-        let light = |kind: usize| match (kind, &begun) {
-            (_, Some(begun)) => &begun.sources[kind][..],
+        if kinds.is_steady {
+            return Self::steady(scheme, Begun::new(volume, sent));
+        }
+        let none = vec![Light::default(); sent.len()];
+        let light = |kind: usize| match kind {
             _ if kinds.is_scattered(kind) => scattered,
-            (0, None) => sent,
-            (_, None) => &none,
+            0 => sent,
+            _ => &none,
         };
-        let lobes = |kind: usize| light(kind).iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
-        let lobes = (0..kinds.count()).map(lobes).collect();
-        Self { begun, ..Self::of_lobes(scheme, kinds, lobes) }
+        let lobes = (0..kinds.count()).map(|kind| lobes_of(scheme, light(kind))).collect();
+        Self::of_lobes(scheme, kinds, lobes)
+    }
+
+    /// Before the first iteration: light that goes on beginning so.
+    pub fn steady(scheme: Scheme, begun: Begun) -> Self {
+        let kinds = Kinds { unscattered: begun.sources.len(), is_steady: true, ..Kinds::ONE };
+        let lobes = begun.sources.iter().map(|light| lobes_of(scheme, light)).collect();
+        Self { begun: Some(begun), ..Self::of_lobes(scheme, kinds, lobes) }
     }
 
     /// Light that is all of the last kind.
     pub fn scattered(scheme: Scheme, light: &[Light]) -> Self {
-        let lobes = light.iter().map(|of| of.map(|of| scheme.lobes.begins(of))).collect();
-        let kinds = Kinds { unscattered: 0, scattered: true, is_steady: false };
-        Self::of_lobes(scheme, kinds, vec![lobes])
+        let kinds = Kinds { unscattered: 0, scattered: true, ..Kinds::ONE };
+        Self::of_lobes(scheme, kinds, vec![lobes_of(scheme, light)])
     }
 
     /// Of lobes of each kind, `[kinds, cells]`, which are not empty.
@@ -285,9 +307,9 @@ impl Field {
         [0, 1, 2].map(of)
     }
 
-    /// So many iterations; of scattered light the last stands for all that would follow.
+    /// So many iterations; of light that goes on and on the last stands for all that would follow.
     pub fn iterate(&mut self, volume: &Volume, iterations: usize) {
-        let is_series = self.kinds.scattered && iterations > LOOKED_AT;
+        let is_series = self.kinds.goes_on() && iterations > LOOKED_AT;
         let alike = if is_series { iterations - LOOKED_AT - 1 } else { iterations };
         (0..alike).for_each(|_| self.step(volume));
         if is_series {

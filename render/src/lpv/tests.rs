@@ -221,14 +221,15 @@ fn light_that_surfaces_reflect_again_is_kept_apart_from_what_one_reflected() {
         let all = |light: &[Light]| light.iter().map(|of| f64::from(of[0].w)).sum::<f64>();
         (field.energy(), all(&field.shown.by_medium), all(&field.shown.by_surfaces))
     };
-    let (once, several) = (
-        Kinds { unscattered: 1, scattered: false, is_steady: false },
-        Kinds { unscattered: 2, scattered: true, is_steady: false },
-    );
+    let once = Kinds::ONE;
+    let several = Kinds { unscattered: 2, scattered: true, ..once };
+    let on_and_on = Kinds { is_reflected: true, ..once };
     assert!((after(once, 2).0 - 0.25).abs() < 1e-6, "half passes each time, and the rest is of another kind");
     let (energy, by_medium, by_surfaces) = after(several, 2);
     assert!((energy - 1.0).abs() < 1e-6, "white surfaces keep it: {energy}");
     assert!(by_medium > 0.1 && by_surfaces == 0.0, "surfaces show scattered light alone: {by_surfaces}");
+    let (energy, _, by_surfaces) = after(on_and_on, 2);
+    assert!((energy - 1.0).abs() < 1e-6 && by_surfaces > 0.1, "it stays of its kind: {energy} {by_surfaces}");
 }
 
 #[test]

@@ -8,11 +8,12 @@ use super::reflective::ReflectiveMap;
 use super::surface::{SurfaceImage, SurfacePass};
 use super::view::perspective;
 use super::world::World;
-use crate::scene::{AnimatedScene, Camera, Light};
+use crate::scene::{AnimatedScene, Camera, Glow, Light};
 use crate::screen::{GpuGBuffer, PassDispatch};
 use deepshade_shaders::Attribute;
 use deepshade_shaders::gpu::{self, Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::uniforms::FrameView;
+use std::sync::Arc;
 
 /// Nothing nearer to the eye than this share of the scene's diagonal is drawn.
 const NEAR: f32 = 1e-5;
@@ -87,6 +88,11 @@ impl Frame {
     /// As it does.
     pub fn set_lights(&mut self, queue: &wgpu::Queue, lights: &[Light]) {
         self.world.set_lights(queue, lights);
+    }
+
+    /// As [`World::set_glow`], from the next frame on.
+    pub fn set_glow(&mut self, queue: &wgpu::Queue, glow: &Arc<Glow>) -> bool {
+        self.world.set_glow(queue, glow)
     }
 
     /// Records a stage. Shadow maps that show what they already do are kept.

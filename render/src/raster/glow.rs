@@ -67,6 +67,21 @@ impl GlowOnGpu {
         self.before = None;
     }
 
+    /// Replaces the paints, as if they had always been these. Whether there is room: only their numbers may
+    /// differ, not what has a paint, how many states they have at most, or when lamps shine.
+    pub fn repaint(&mut self, queue: &wgpu::Queue, glow: &Glow) -> bool {
+        let is_same = glow.surfaces == self.glow.surfaces && glow.medium == self.glow.medium;
+        if !is_laid_out_alike(glow, &self.glow) {
+            return false;
+        }
+        if !is_same {
+            queue.write_buffer(&self.paints, 0, bytemuck::cast_slice(&records(glow)));
+            self.glow = glow.clone();
+            self.forget();
+        }
+        true
+    }
+
     /// Says that the next frame goes from one moment to another only, from the first state of all on where it
     /// is the `first`.
     pub fn set_stretch(&mut self, queue: &wgpu::Queue, is_first: bool, [from, to]: [f32; 2], moment: f32) {
@@ -193,6 +208,13 @@ fn rounds(glow: &Glow, euler: u32) -> Vec<[u32; 2]> {
     (0..glow.most_pieces()).step_by(count).map(|first| [first as u32, count as u32]).collect()
 }
 
+/// Whether buffers and passes of one suit the other.
+fn is_laid_out_alike(glow: &Glow, other: &Glow) -> bool {
+    let names = glow.surfaces.iter().map(|(name, _)| name).eq(other.surfaces.iter().map(|(name, _)| name));
+    let room = |glow: &Glow| (glow.most_states(), glow.medium.is_some());
+    names && room(glow) == room(other) && (&glow.schedules, glow.start) == (&other.schedules, other.start)
+}
+
 /// All paints, filled up with states that stay dark.
 fn records(glow: &Glow) -> Vec<PaintState> {
     let before = glow.before();
@@ -216,6 +238,22 @@ mod tests {
     use super::*;
     use crate::scene::glow::Schedule;
     use crate::scene::glow::tests::glow;
+
+    #[test]
+    fn paints_are_replaced_where_only_their_numbers_differ() {
+        let before = glow(&[0.1, 0.2], &[[0.0, 1.0]], 2.0);
+        let alike = |change: fn(&mut Glow)| {
+            let mut other = before.clone();
+            change(&mut other);
+            is_laid_out_alike(&other, &before)
+        };
+        assert!(alike(|glow| glow.surfaces[0].1.states[1].decay = 7.0) && alike(|glow| glow.moment = 5.0));
+        assert!(!alike(|glow| glow.surfaces[0].0 = Some("wall".to_owned())));
+        assert!(!alike(|glow| glow.surfaces[0].1.states.truncate(1)));
+        assert!(!alike(|glow| glow.medium = Some(glow.surfaces[0].1.clone())));
+        assert!(!alike(|glow| glow.schedules[0].on[0][1] = 2.0));
+        assert!(!alike(|glow| glow.start = crate::scene::glow::Start::LitForLong));
+    }
 
     /// Rounds follow one another through all pieces, and none takes too many turns.
     #[test]

@@ -11,11 +11,11 @@ use super::pose::Posing;
 use super::shadow::{self, CameraView, MapPlan, ShadowPass};
 use super::texture::Textures;
 use crate::scene::gltf::Rig;
-use crate::scene::{AnimatedScene, Bounds, Camera, Light, Scene};
+use crate::scene::{AnimatedScene, Bounds, Camera, Glow, Light, Scene};
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::FrameView;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A scene on the GPU.
 #[derive(Debug)]
@@ -158,6 +158,16 @@ impl World {
             self.gpu_lights.set(queue, lights, &self.on);
             self.glow.forget();
         }
+    }
+
+    /// Gives what keeps light other paints, as if it had always had these. Whether that can be without going
+    /// to the GPU anew: as [`GlowOnGpu::repaint`], and in a sequence only.
+    pub fn set_glow(&mut self, queue: &wgpu::Queue, glow: &Arc<Glow>) -> bool {
+        let can = self.past.is_empty() && self.glow.repaint(queue, glow);
+        if can {
+            self.scene.glow = Some(Arc::clone(glow));
+        }
+        can
     }
 
     /// Its lamps with their maps, as passes bind them one after the other.

@@ -24,6 +24,8 @@ pub enum SurfelLight {
     },
     /// What they reflect of light that the medium between them and the lamps has dimmed, and what they emit.
     DimmedAndEmitted,
+    /// What they emit alone.
+    Emitted,
     /// What they receive, as white ones reflect it, of both sides together.
     Received,
     /// What they give back of light that they kept.
@@ -35,7 +37,7 @@ impl SurfelLight {
     /// all that they reflect, as truth of fog has it.
     pub fn reflectance(lit: Option<Self>) -> Reflectance {
         match lit {
-            Some(Self::Dimmed { .. } | Self::DimmedAndEmitted) => Reflectance::All,
+            Some(Self::Dimmed { .. } | Self::DimmedAndEmitted | Self::Emitted) => Reflectance::All,
             None | Some(Self::Reflected | Self::Received | Self::Kept) => Reflectance::Diffuse,
         }
     }
@@ -74,6 +76,7 @@ pub fn steps(
     let count = ("LIGHTS", world.gpu_lights.count as u32);
     let (shader, constants) = match lit {
         SurfelLight::Kept => return kept::steps(device, world, cloud, sent),
+        SurfelLight::Emitted => return Ok(vec![emit_step(device, world, cloud, (sent, false))?]),
         SurfelLight::Reflected => (Shader::at("surfels/reflected"), vec![count]),
         SurfelLight::Dimmed { .. } | SurfelLight::DimmedAndEmitted => {
             let grey = ("GREY", u32::from(lit == SurfelLight::Dimmed { is_grey: true }));
@@ -100,19 +103,19 @@ pub fn steps(
     let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
     let lamps = MethodStep { step: PassDispatch { pass, workgroups }, writes: vec![sent.clone()] };
     let emits = lit == SurfelLight::DimmedAndEmitted && world.scene().emits();
-    let emission = emits.then(|| emit_step(device, world, cloud, sent)).transpose()?;
+    let emission = emits.then(|| emit_step(device, world, cloud, (sent, true))).transpose()?;
     Ok([Some(lamps), emission].into_iter().flatten().collect())
 }
 
-/// The pass that adds what surfels emit to what they send.
+/// The pass that writes what surfels emit, or `adds` it to what they send.
 fn emit_step(
     device: &Device,
     world: &World,
     Cloud { totals, surfels, starts, .. }: &Cloud,
-    sent: &wgpu::Buffer,
+    (sent, adds): (&wgpu::Buffer, bool),
 ) -> Result<MethodStep, GpuError> {
     let emissions = gpu::storage(device, "surfels.emissions", &world.emissions())?;
-    let pass = device.pass(Shader::at("surfels/emit"), &[])?;
+    let pass = device.pass(Shader::at("surfels/emit"), &[("ADDS", u32::from(adds))])?;
     let workgroups = Workgroups::Counted(totals.clone(), SURFEL_GROUPS);
     MethodStep::bind(device, &pass, workgroups, &[totals, surfels, starts, &emissions], &[sent])
 }

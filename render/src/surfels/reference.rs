@@ -265,10 +265,12 @@ pub fn lit(
         SurfelLight::Dimmed { is_grey: false } | SurfelLight::DimmedAndEmitted => {
             scene.scene().medium.as_deref().cloned()
         }
-        SurfelLight::Reflected | SurfelLight::Received => None,
+        SurfelLight::Reflected | SurfelLight::Received | SurfelLight::Emitted => None,
     };
     let emissions = match lit {
-        SurfelLight::DimmedAndEmitted => patches::emissions(scene.scene(), &draws_of(scene.scene())),
+        SurfelLight::DimmedAndEmitted | SurfelLight::Emitted => {
+            patches::emissions(scene.scene(), &draws_of(scene.scene()))
+        }
         SurfelLight::Kept | SurfelLight::Dimmed { .. } | SurfelLight::Reflected | SurfelLight::Received => {
             Vec::new()
         }
@@ -276,7 +278,8 @@ pub fn lit(
     let light = |disk: Disk| {
         let (point, normal) = (camera.position + camera.rotation * disk.place, camera.rotation * disk.normal);
         let mut received = [Vec3::ZERO; 2];
-        for light in scene.scene().shining_lights() {
+        let lamps = scene.scene().shining_lights().filter(|_| lit != SurfelLight::Emitted);
+        for light in lamps {
             let Arrival { direction, distance, irradiance } = Arrival::new(scene.scene(), light, point);
             let cosine = normal.dot(direction);
             let passed = match &medium {

@@ -1,9 +1,10 @@
-// Adds what surfels emit to what they send.
+// What surfels emit, by itself or, if it ADDS, beside what they send.
 
 #import shared/packing
 #import shared/surfel
 #import shared/surfel_order
 #import shared/surfel_record
+#constant ADDS = 1
 
 @group(0) @binding(0) var<storage, read> totals: Totals;
 @group(0) @binding(1) var<storage, read> surfels: array<Surfel>;
@@ -21,6 +22,10 @@ fn emit(@builtin(global_invocation_id) id: vec3u) {
     let emitted = unpack_radiance(emissions[patch_of(chosen(id.x))]);
     // What the back of a closed body's surface emits stays in it.
     let behind = select(vec3f(0.0), emitted, surfel_is_open(surfels[id.x]));
+    if ADDS == 0u {
+        sent[id.x] = vec2u(pack_radiance(emitted), pack_radiance(behind));
+        return;
+    }
     let both = sent[id.x];
     sent[id.x] = vec2u(
         pack_radiance(unpack_radiance(both.x) + emitted),

@@ -3,6 +3,8 @@
 
 use super::task::Task;
 use anyhow::{Context, Result, ensure};
+#[cfg(feature = "view")]
+use deepshade_render::bvh::corner_weights;
 use deepshade_render::bvh::{Hit, TracedScene};
 use deepshade_render::intersection::SurfacePoint;
 use deepshade_render::nearest::nearest_in_triangle;
@@ -17,7 +19,7 @@ use std::sync::Arc;
 const NEAR: f32 = 0.05;
 
 /// A place on a surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spot {
     pub mesh: usize,
     pub triangle: usize,
@@ -30,6 +32,22 @@ pub struct Spot {
 }
 
 impl Spot {
+    /// Where a ray met a scene.
+    #[cfg(feature = "view")]
+    pub fn of(scene: &Scene, hit: &Hit) -> Self {
+        let (mesh, triangle) = (hit.mesh as usize, hit.triangle as usize);
+        let (its, weights) = (&scene.meshes[mesh], corner_weights(hit.barycentric));
+        let spot = Self { mesh, triangle, weights, position: Vec3::ZERO, material: its.material.0 as usize };
+        Self { position: spot.position_in(scene), ..spot }
+    }
+
+    /// Where it is in a pose of the scene, metres.
+    #[cfg(feature = "view")]
+    pub fn position_in(&self, scene: &Scene) -> Vec3 {
+        let corners = scene.meshes[self.mesh].corners(self.triangle);
+        corners.iter().zip(self.weights).map(|(corner, weight)| *corner * weight).sum()
+    }
+
     /// What of lamps' light the surface reflects diffusely, linear RGB.
     pub fn albedo(&self, scene: &TracedScene) -> Vec3 {
         let [_, second, third] = self.weights;

@@ -10,14 +10,14 @@ use deepshade_render::scene::glow::Schedule;
 use deepshade_render::scene::glow::file::{LampTimes, schedules};
 use deepshade_shaders::names::with_meant;
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The most frames of an animation: as long as an hour of 25 a second.
 const MOST_FRAMES: usize = 90_000;
 
 /// A design that is asked for.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Task {
     /// The scene; a file is relative to this one.
@@ -35,6 +35,7 @@ pub struct Task {
     #[serde(default)]
     pub reflected: bool,
     /// The spectrum of all lamps, whose colours in the scene then say how bright they are and no more.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub spectrum: Option<Light>,
     /// When lamps shine; those of which nothing is said, always.
     #[serde(default)]
@@ -43,6 +44,7 @@ pub struct Task {
     #[serde(rename = "place")]
     pub places: Vec<WantedPlace>,
     /// How far designs spread to materials alike; only to those of the places where it is left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub spread: Option<Spread>,
     /// From where pictures are made.
     #[serde(default)]
@@ -50,7 +52,7 @@ pub struct Task {
 }
 
 /// A place of the scene.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct WantedPlace {
     /// Where, metres, in the first frame: what surface is next to it. It goes where that goes.
@@ -60,7 +62,7 @@ pub struct WantedPlace {
 }
 
 /// A wanted colour.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct WantedKey {
     /// When, seconds.
@@ -70,7 +72,7 @@ pub struct WantedKey {
 }
 
 /// How far designs spread: over these differences of materials' places and colours affinity falls to 1/e.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
     /// Metres.
@@ -96,6 +98,12 @@ impl Task {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Self::parse(&text, folder).with_context(|| path.display().to_string())
+    }
+
+    /// The text of a file that says this.
+    #[cfg(feature = "view")]
+    pub fn text(&self) -> String {
+        toml::to_string(self).expect("tables of numbers and text")
     }
 
     /// A file's text, in a folder.
@@ -221,6 +229,18 @@ mod tests {
         let spectrum = eight.radiance(&eight.places[0].keys[0]);
         let colour = Bands::Eight.linear_srgb(&spectrum);
         assert!(spectrum.len() == 8 && colour.iter().zip([0.1, 0.2, 0.1]).all(|(a, b)| (a - b).abs() < 1e-2));
+    }
+
+    #[cfg(feature = "view")]
+    #[test]
+    fn what_is_written_is_read_again() {
+        let view = "[view]\neye = [0, 1.6, 4]\nlook_at = [0, 1, 0]\n";
+        for more in ["", "[spread]\ndistance = 4.0\ncolour = 0.2\n", view] {
+            let text = format!("spectrum = 'mercury'\n{GOOD}{more}").replace("5.0]]", "5.0], [7, inf]]");
+            let task = parsed(&text).expect("a task");
+            let again = Task::parse(&task.text(), Path::new("")).expect("a task");
+            assert_eq!(format!("{again:?}"), format!("{task:?}"));
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::view::tests::args;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 const SIZE: [usize; 2] = [12, 16];
 
@@ -11,6 +11,7 @@ fn view_key(subject: &Arc<PreparedScene>) -> ViewKey {
         source: subject.source.clone(),
         effect: subject.effect,
         scenes_opened: 0,
+        glow: None,
         subject: Arc::downgrade(subject),
         camera: subject.controller.camera,
         time: 0.0,

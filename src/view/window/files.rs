@@ -43,6 +43,7 @@ impl Window {
         let subject = self.results.subject.as_ref();
         let was_read = subject.is_some_and(|subject| subject.source == self.state.show.source);
         self.state.open(source, was_read);
+        self.design.leave();
         if let Some(subject) = subject {
             self.state.lights = subject.moved(self.state.lights.take());
         }

@@ -100,8 +100,10 @@ impl Window {
     /// Whether what is wanted now has another truth: that does not depend on methods and brightness.
     fn has_other_truth(&self, other: &Request) -> bool {
         let request = self.request(other.number);
-        let place =
-            |show: &Show| (show.source.clone(), show.scenes_opened, show.effect, show.radius, show.size);
+        let place = |show: &Show| {
+            let scene = (show.source.clone(), show.scenes_opened, show.glow.clone());
+            (scene, show.effect, show.radius, show.size)
+        };
         (place(&request.show), request.camera, request.time, &request.lights)
             != (place(&other.show), other.camera, other.time, &other.lights)
     }
@@ -131,6 +133,7 @@ impl Window {
             source: picture.subject.source.clone(),
             effect: picture.subject.effect,
             scenes_opened: picture.request.show.scenes_opened,
+            glow: picture.request.show.glow.clone(),
             subject: Arc::downgrade(&picture.subject),
             camera: picture.camera,
             time: picture.request.time,

@@ -1,6 +1,7 @@
 //! `--screenshot`: an image of the window once everything is there, and then its end.
 
 use super::Window;
+use crate::view::design;
 use eframe::egui::{Context, ViewportCommand};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -20,7 +21,7 @@ impl Screenshot {
 
 impl Window {
     /// Whether everything is there that was asked for: images, truth of all its samples, figures, layers of a
-    /// file.
+    /// file, the place of key frames.
     pub fn is_complete(&self) -> bool {
         let wanted = if self.state.truth { self.state.samples } else { 0 };
         let truth = self.truth_of_picture().map_or(0, |truth| truth.samples);
@@ -28,7 +29,9 @@ impl Window {
             self.metrics_of_picture().is_some_and(|metrics| metrics.samples >= samples)
         });
         let measured = measured || self.state.show.methods.is_empty();
-        self.is_up_to_date() && truth >= wanted && measured && self.is_idle()
+        let refused = self.glow().is_none_or(|glow| design::refusal(glow).is_some());
+        let designed = refused || !self.design.is_waiting();
+        self.is_up_to_date() && truth >= wanted && measured && designed && self.is_idle()
     }
 
     /// Takes the image when everything is there, and closes the window when it is written, or cannot be.

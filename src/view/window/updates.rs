@@ -29,6 +29,7 @@ impl Window {
                 #[cfg(feature = "train")]
                 Update::TrainingEnded(how) => self.training_ended(how),
                 Update::Screenshot(image, path) => self.take_screenshot(image, path),
+                Update::Place(found) => self.take_place(found),
                 Update::File(done) => self.take_file(context, done),
                 Update::NoPicture(error) => self.take_failure(error),
                 Update::Error(error) => self.set_error(error),

@@ -1,5 +1,5 @@
-//! The march that trees were first compared with (Baran et al. 2010, section 10): one step after the other, at
-//! each a look into the shadow map and an exponential. The map lies in blocks of 8 x 8 texels in Z-order.
+//! The march that trees were first compared with (Baran et al. 2010, section 10): one step after the other,
+//! at each a look into the shadow map and an exponential. The map lies in blocks of 8 x 8 texels in Z-order.
 
 use super::subject::FogView;
 use deepshade_render::methods::ray_march::shift;
@@ -91,8 +91,7 @@ impl<'a> SimpleMarch<'a> {
     }
 }
 
-/// Seconds that the march takes for all view rays in a pool of threads; none where the lamp is near or the fog
-/// uneven.
+/// Seconds that one thread of a pool takes for all view rays; none where the lamp is near or the fog uneven.
 pub fn seconds(subject: &FogView, steps: u32, pool: &ThreadPool) -> Option<f64> {
     let [height, width] = subject.setup.size;
     let rows: Vec<usize> = (0..height).step_by(EVERY_ROW).collect();

@@ -3,7 +3,10 @@
 //! Padding to the network's alignment and cropping back are part of the graph, so that it runs on images of
 //! any size.
 
+mod half_floats;
 mod head;
+
+pub use half_floats::{HalfError, ONNX_HALF_TOLERANCE, halved};
 
 use super::proto::{
     AttributeProto, Dimension, Extent, FLOAT, GraphProto, INT64, ModelProto, NodeProto, OperatorSetIdProto,

@@ -8,6 +8,8 @@ use prost::{Message, Oneof};
 pub const FLOAT: i32 = 1;
 /// `TensorProto.DataType.INT64`.
 pub const INT64: i32 = 7;
+/// `TensorProto.DataType.FLOAT16`.
+pub const FLOAT16: i32 = 10;
 
 /// A model: a graph with the versions that it is written for.
 #[derive(Clone, PartialEq, Message)]

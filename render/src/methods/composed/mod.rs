@@ -5,10 +5,12 @@
 //! | light of lamps that surfaces reflect | the g-buffer's `light`, reflected as truth has it ([`lamps`]) |
 //! | what surfaces emit, and the sky behind them | the g-buffer's `emission`, the environment |
 //! | light that surfaces get of others that emit or that lamps light | [`surfel`](super::surfel) of `gi` |
+//! | light that surfaces emit and others reflected | [`lpv`](super::lpv::ReflectedEmission) |
 //! | light of the sky, and what other surfaces reflect of it | [`bounced-z`](super::bounced_z::sky_light) |
 //! | phosphorescence | [`rate-equation`](super::phosphor) of `phosphor` |
 //! | light in the medium that lamps send there | [`froxel`](super::froxel) of `fog-direct` |
 //! | and surfaces | [`lpv`](super::lpv) of `fog-indirect` |
+//! | and what emits or the sky | [`lpv`](super::lpv), scattered once |
 //! | and all other | [`lpv`](super::lpv) of `fog-multiple` |
 //!
 //! For light of the sky visibility matters, which `surfel` lacks. For light of lamps noise does: what they
@@ -20,12 +22,15 @@
 //! alone. Both parts by surfels may shade half the rows and columns ([`Halved`]).
 //!
 //! Limits. Of several lamps, those that are hidden from a surface dim the others, too. Surfaces reflect the
-//! sky and other surfaces as if they were everywhere alike, so that a mirror shows an even colour. Light of
-//! lamps that was reflected more than twice is missing unless the medium scatters it. So is light of what
-//! emits that was reflected more than once, and that of the sky that was reflected more than three times.
-//! Nothing hides what surfaces send of lamps or emit. Light between surfaces is dimmed up to the first of
-//! them only. The sky lights surfaces as if there were no medium, and does not light the medium. The lens and
-//! the shutter are wide open and instant: neither depth of field nor motion blur.
+//! sky and other surfaces as if they were everywhere alike, so that a mirror shows an even colour. Nothing
+//! hides what surfaces send of lamps or emit to the next ones. Emitted light after its first reflection is as
+//! blurred as the grid's cells are large. Light of lamps that was reflected more than twice is missing unless
+//! the medium scatters it: by the grid it came out brighter than truth in a room full of shelves, whose cells
+//! are larger than what is between them. So is that of the sky that was reflected more than three times.
+//! Light of lamps between surfaces is dimmed up to the first of them only; that of the sky is dimmed on its
+//! way to surfaces as if none were hidden. The sky lights the medium within the grid, and not at all where
+//! the medium has no end. The lens and the shutter are wide open and instant: neither depth of field nor
+//! motion blur.
 
 mod lamps;
 mod passes;
@@ -33,14 +38,15 @@ mod reference;
 mod reflectance;
 #[cfg(test)]
 mod tests;
+mod through;
 
 use super::Quality;
 use super::bounced_z::{BouncedZParameters, sky_light::SKY_LIGHT};
 use super::disks::{ByDisks, DiskEffect, Disks};
 use super::environment_map::EnvironmentMap;
 use super::froxel::FroxelParameters;
-use super::lpv::LpvParameters;
 use super::lpv::in_medium::InMedium;
+use super::lpv::{LpvParameters, ReflectedEmission};
 use super::phosphor::RateEquationParameters;
 use super::surfel::{SurfelParameters, indirect::INDIRECT};
 use crate::scene::{Camera, Environment, Scene};
@@ -90,7 +96,7 @@ impl ComposedParameters {
     }
 
     /// The parts, in the order in which they are added.
-    fn parts(&self) -> [Part; 5] {
+    fn parts(&self) -> [Part; 6] {
         let scale = self.surfaces_scale;
         let surfaces = scaled(FromFar { parameters: self.surfaces, effect: OF_SURFACES }, scale);
         let sky = scaled(FromFar { parameters: self.sky, effect: SKY_LIGHT }, scale);
@@ -98,10 +104,11 @@ impl ComposedParameters {
         let lights: fn(&Scene) -> bool = |scene| !scene.lights.is_empty() || scene.emits();
         [
             Part::new("surfaces", Shown::Reflected, surfaces, lights),
-            Part::new("sky", Shown::Reflected, sky, |scene| scene.environment.is_some()),
+            Part::new("emission", Shown::Reflected, Box::new(ReflectedEmission(self.volume)), Scene::emits),
+            Part::new("sky", Shown::FromSky, sky, |scene| scene.environment.is_some()),
             Part::new("phosphor", Shown::Sent, Box::new(self.phosphor), Scene::keeps_light),
             Part::new("shafts", Shown::Between, Box::new(self.shafts), has_medium),
-            Part::new("volume", Shown::Between, Box::new(InMedium::both(self.volume)), has_medium),
+            Part::new("volume", Shown::Between, Box::new(InMedium::all(self.volume)), has_medium),
         ]
     }
 }
@@ -109,6 +116,13 @@ impl ComposedParameters {
 /// Light that surfaces emit, or send after one reflection, dimmed on its way to the first.
 const OF_SURFACES: DiskEffect<SurfelParameters> =
     DiskEffect { lit: Some(SurfelLight::DimmedAndEmitted), on_processor: None, ..INDIRECT };
+
+impl Shown {
+    /// Whether surfaces reflect it.
+    const fn is_reflected(self) -> bool {
+        matches!(self, Self::Reflected | Self::FromSky)
+    }
+}
 
 /// One method's part of all light.
 struct Part {
@@ -140,6 +154,8 @@ impl Part {
 enum Shown {
     /// Surfaces reflect it, as if it came from everywhere alike.
     Reflected,
+    /// So they do, after the medium has dimmed it on its way from the sky.
+    FromSky,
     /// Surfaces send it as it is.
     Sent,
     /// It comes from between surfaces and the eye.

@@ -1,6 +1,6 @@
 //! What runs on the GPU: the parts one after the other, each into a room that they share, added to the image.
 
-use super::{Part, Shown, lamps, sky};
+use super::{Part, Shown, lamps, sky, through};
 use crate::path::bsdf::directional_table;
 use crate::raster::World;
 use crate::raster::medium::MediumOnGpu;
@@ -35,7 +35,10 @@ pub fn steps(parts: &[Part], to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuE
             steps.push(dim_step(to, world, &view[0])?);
             is_dimmed = true;
         }
-        let made = part.made.steps(&Resources { uniforms, output: &room, ..*to })?;
+        let mut made = part.made.steps(&Resources { uniforms, output: &room, ..*to })?;
+        if part.shown == Shown::FromSky && world.scene().medium.is_some() {
+            made.push(through::step(to, world, [&view[0], &room])?);
+        }
         let added = add_step(to, [&view[0], &room, &reflectances], part.shown)?;
         steps.extend(made.into_iter().chain([added]).map(|step| step.within(part.name)));
     }
@@ -80,7 +83,7 @@ fn add_step(
     [view, part, reflectances]: [&wgpu::Buffer; 3],
     shown: Shown,
 ) -> Result<MethodStep, GpuError> {
-    let reflected = ("REFLECTED", u32::from(shown == Shown::Reflected));
+    let reflected = ("REFLECTED", u32::from(shown.is_reflected()));
     let pass = to.device.pass(Shader::at("methods/composed/add"), &[reflected])?;
     MethodStep::bind(to.device, &pass, to.whole(), &[view, part, reflectances], &[to.output])
 }

@@ -1,6 +1,6 @@
 //! The plain version: the parts' plain versions, added up.
 
-use super::{Part, Shown, lamps, reflectance, sky};
+use super::{Part, Shown, lamps, reflectance, sky, through};
 use crate::bvh::TracedScene;
 use crate::methods::single_scattering::distances;
 use crate::scene::medium::POINTS;
@@ -23,9 +23,11 @@ pub fn image(parts: &[Part], inputs: &PlainInputs<'_>, view: &View) -> Result<Wr
         }
         let reflectance = reflectance::image(inputs.gbuffer, scene.scene())?;
         for part in surfaces {
-            let shaded = part.made.reference(inputs, view)?.pop().unwrap_or_default();
-            let reflects =
-                |at: usize| if part.shown == Shown::Reflected { reflectance.data()[at] } else { 1.0 };
+            let mut shaded = part.made.reference(inputs, view)?.pop().unwrap_or_default();
+            if let (Shown::FromSky, Some(medium)) = (part.shown, scene.scene().medium.as_deref()) {
+                through::dim(&mut shaded, medium, inputs, view)?;
+            }
+            let reflects = |at: usize| if part.shown.is_reflected() { reflectance.data()[at] } else { 1.0 };
             let all = image.data_mut().iter_mut().zip(shaded).enumerate();
             all.for_each(|(at, (sum, part))| *sum += part * reflects(at));
         }

@@ -3,7 +3,7 @@
 
 use super::LpvParameters;
 use super::lit_volume::LitVolumes;
-use super::passes::{self, Filled, MediumLight, Pixel};
+use super::passes::{self, Filled, FilledVolumes, MediumLight, Pixel};
 use super::reference;
 use super::shown::Marched;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
@@ -24,15 +24,17 @@ pub struct InMedium {
 struct Kind {
     light: MediumLight,
     pixel: Pixel,
+    /// Whether the medium shows what a scene and the sky send by themselves, too.
+    emission: bool,
 }
 
 impl Kind {
     const MULTIPLE: Self =
-        Self { light: MediumLight::Multiple, pixel: Pixel { medium: true, surface: true } };
+        Self { light: MediumLight::Multiple, pixel: Pixel { medium: true, surface: true }, emission: false };
     const INDIRECT: Self = Self::indirect(Pixel { medium: true, surface: false });
 
     const fn indirect(pixel: Pixel) -> Self {
-        Self { light: MediumLight::Reflected { by_surfaces: pixel.surface }, pixel }
+        Self { light: MediumLight::Reflected { by_surfaces: pixel.surface }, pixel, emission: false }
     }
 }
 
@@ -54,9 +56,11 @@ impl InMedium {
         Self { parameters, shown: [Some(Kind::indirect(pixel)), None] }
     }
 
-    /// Both, of the same surfels.
-    pub const fn both(parameters: LpvParameters) -> Self {
-        Self { parameters, shown: [Some(Kind::INDIRECT), Some(Kind::MULTIPLE)] }
+    /// Both, of the same surfels, and what the medium scatters once of light that the scene and the sky send
+    /// by themselves: all but what it scatters once of lamps.
+    pub const fn all(parameters: LpvParameters) -> Self {
+        let indirect = Kind { emission: true, ..Kind::INDIRECT };
+        Self { parameters, shown: [Some(indirect), Some(Kind::MULTIPLE)] }
     }
 
     fn kinds(&self) -> impl Iterator<Item = Kind> {
@@ -86,11 +90,16 @@ impl Technique for InMedium {
         // Surfels are lit alike for all kinds.
         let (surfels, mut steps) =
             passes::lit_surfels(to, self.parameters, Filled::Medium(MediumLight::Multiple))?;
-        for (number, Kind { light, pixel }) in self.kinds().enumerate() {
-            let (volumes, filling) =
+        for (number, Kind { light, pixel, emission }) in self.kinds().enumerate() {
+            let (FilledVolumes { light, emission: emitted }, filling) =
                 passes::volume_steps(to, self.parameters, Filled::Medium(light), &surfels)?;
             steps.extend(filling);
-            steps.extend(Marched { to, view, march, pixel, scale, adds: number > 0 }.steps(&volumes)?);
+            let marched = Marched { to, view, march, pixel, scale, adds: number > 0 };
+            steps.extend(marched.steps(&light)?);
+            if emission && !emitted.is_empty() {
+                let pixel = Pixel { medium: true, surface: false };
+                steps.extend(Marched { pixel, adds: true, ..marched }.steps(&emitted)?);
+            }
         }
         Ok(steps)
     }
@@ -101,11 +110,17 @@ impl Technique for InMedium {
             let Some(medium) = scene.scene().medium.as_deref() else {
                 return Ok(sum);
             };
-            for Kind { light, pixel } in self.kinds() {
-                let volumes = LitVolumes::new(scene, self.parameters, view, Filled::Medium(light), f32::MAX);
-                let image =
-                    reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (pixel, view))?;
-                sum.data_mut().iter_mut().zip(image.data()).for_each(|(sum, value)| *sum += value);
+            for Kind { light, pixel, emission } in self.kinds() {
+                let filled = Filled::Medium(light);
+                let [light, emitted] =
+                    LitVolumes::with_emission(scene, self.parameters, view, filled, f32::MAX);
+                let before = Pixel { medium: true, surface: false };
+                let emitted = emission.then_some((emitted, before));
+                for (volumes, pixel) in std::iter::once((light, pixel)).chain(emitted) {
+                    let image =
+                        reference::shade(inputs.gbuffer, &volumes, medium, self.parameters, (pixel, view))?;
+                    sum.data_mut().iter_mut().zip(image.data()).for_each(|(sum, value)| *sum += value);
+                }
             }
             Ok(sum)
         })

@@ -2,17 +2,19 @@
 
 use super::LpvParameters;
 use super::passes::{Filled, Shines, surfel_settings};
-use super::volume_buffers::EMITTED;
 use crate::bvh::TracedScene;
 use crate::lpv::LightGrid;
 use crate::lpv::injection::{self, sent_by_medium, sent_from, single_scattering, volume};
 use crate::lpv::lobe::irradiance;
-use crate::lpv::propagation::{CellFluence, Field, Light, Volume};
+use crate::lpv::propagation::{CellFluence, Field, Kinds, Light, Volume};
 use crate::lpv::scheme::Lookup;
+use crate::lpv::sides::Begun;
+use crate::lpv::sky::Sky;
 use crate::methods::phosphor::cells::PlainCells;
 use crate::path::phosphor::Afterglow;
 use crate::raster::geometry::draws_of;
 use crate::raster::patches::{self, Emission, Patch};
+use crate::scene::Medium;
 use crate::screen::View;
 use crate::surfels::SurfelLight;
 use crate::surfels::reference::{self as surfels, Disk};
@@ -33,6 +35,10 @@ pub struct LitVolume {
 /// The volume around a scene, and finer ones in it.
 pub struct LitVolumes(pub Vec<LitVolume>);
 
+/// How far outside of a grid a medium is looked for, metres, and at how many points.
+const OUTSIDE: f32 = 1e5;
+const POINTS: u32 = 8;
+
 /// What a cell behind a surface counts at least.
 const LEAST_SEEN: f32 = 1e-3;
 
@@ -45,6 +51,8 @@ struct VolumeSource<'a> {
     shines: Option<Vec<Vec3>>,
     /// The cells of a medium that gives back light, if it does.
     cells: Option<PlainCells<'a>>,
+    /// The sky, if it shines.
+    sky: Option<Sky>,
     view: &'a View,
     parameters: LpvParameters,
     filled: Filled,
@@ -66,21 +74,41 @@ impl LitVolumes {
         filled: Filled,
         reach: f32,
     ) -> Self {
+        let [light, _] = Self::with_emission(scene, parameters, view, filled, reach);
+        light
+    }
+
+    /// The same, and those of light that the scene and the sky send by themselves, on its way to what turns
+    /// it: none where there is no such light.
+    pub fn with_emission(
+        scene: &TracedScene,
+        parameters: LpvParameters,
+        view: &View,
+        filled: Filled,
+        reach: f32,
+    ) -> [Self; 2] {
         let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
         let patches = patches::of_scene(scene.scene(), SurfelLight::reflectance(Some(filled.lit())));
         let cell = parameters.finest_cell(scene.scene().bounds());
         let disks = disks(scene, &patches, cell, view, filled);
         let shines = shines(scene, &patches, filled);
         let cells = cells(scene, cell, filled);
-        let source = VolumeSource { scene, patches, disks, shines, cells, view, parameters, filled, reach };
+        let environment = scene.scene().environment.as_deref();
+        let sky = environment.filter(|_| filled.shines(scene.scene()).sky).map(Sky::new);
+        let source =
+            VolumeSource { scene, patches, disks, shines, cells, sky, view, parameters, filled, reach };
         let mut levels: Vec<Level> = Vec::new();
         for grid in &grids {
             let level = source.level(*grid, levels.last());
             levels.push(level);
         }
         let finer = grids.iter().skip(1).copied().map(Some).chain([None]);
-        let volume = |(level, finer): (Level, _)| LitVolume { finer, ..level.light };
-        Self(levels.into_iter().zip(finer).map(volume).collect())
+        let mut volumes = [Self(Vec::new()), Self(Vec::new())];
+        for (Level { light, emission }, finer) in levels.into_iter().zip(finer) {
+            volumes[0].0.push(LitVolume { finer, ..light });
+            volumes[1].0.extend(emission.map(|light| LitVolume { finer, ..light }));
+        }
+        volumes
     }
 
     /// Irradiance on one side of a surface.
@@ -99,8 +127,20 @@ impl VolumeSource<'_> {
         let (volume, mut reflected) = volume((grid, scheme), (medium, kinds.scattered), surfels, camera);
         let mut scattered = if kinds.scattered { single_scattering(&grid, self.scene) } else { Vec::new() };
         let mut emission = None;
-        if let Some(light) = self.sent_by_itself(&grid) {
-            let field = Field::new(&volume, EMITTED, &light, &[]);
+        let by_itself = match self.filled.begins_as_emitted() {
+            true => Some(std::mem::replace(&mut reflected, vec![Light::default(); grid.cells()])),
+            false => self.sent_by_itself(&grid),
+        };
+        if let Some(light) = by_itself {
+            let field = match &self.sky {
+                Some(sky) => {
+                    // What comes into a finer grid comes of the coarser one.
+                    let sky = Some(sky).filter(|_| outside.is_none());
+                    let passes = |point, way| passed(medium, kinds.scattered, point, way);
+                    Field::steady(scheme, Begun::under(&volume, &light, sky, passes))
+                }
+                None => Field::new(&volume, Kinds::ONE, &light, &[]),
+            };
             let outside = outside.and_then(|outside| outside.emission.as_ref());
             let emitted = self.handed_on(&volume, field, outside, f32::MAX);
             let colour = |patch: usize| self.patches[patch].colour();
@@ -133,7 +173,10 @@ impl VolumeSource<'_> {
                 add(&mut light, &more);
                 Some(light)
             }
-            (of_surfaces, of_medium) => of_surfaces.or(of_medium),
+            (of_surfaces, of_medium) => {
+                let none = || vec![Light::default(); grid.cells()];
+                of_surfaces.or(of_medium).or_else(|| self.sky.map(|_| none()))
+            }
         }
     }
 
@@ -227,6 +270,13 @@ impl LitVolume {
         let begins = begins.max(a.min(b).max_element());
         [begins, begins.max(ends.min(a.max(b).min_element()))]
     }
+}
+
+/// What of light passes a medium from a point on, which `is_similar` as that of cells is.
+fn passed(medium: Option<&Medium>, is_similar: bool, point: Vec3, way: Vec3) -> Vec3 {
+    let Some(medium) = medium else { return Vec3::ONE };
+    let ahead = if is_similar { medium.anisotropy * medium.scattering } else { Vec3::ZERO };
+    (-(medium.extinction() - ahead) * medium.passed_density(point, way, OUTSIDE, POINTS)).exp()
 }
 
 /// Adds light to that of the same cells, if they have any.

@@ -23,10 +23,14 @@
 //! lamps is; where nothing shines by itself there is no such volume. Around the camera there may be a finer
 //! grid ([`crate::lpv::cascade`]).
 //!
+//! The sky shines into a medium through the cells along the grid's border ([`crate::lpv::sky`]), beside what
+//! shines by itself, and goes on doing so: light of all its directions crosses in a cell.
+//!
 //! Light that surfaces kept is all that `phosphor-gi` has: surfels give it back as they reflect that of lamps
 //! for `gi`. To `fog-indirect` and `fog-multiple` it comes beside other light, as does what the medium kept.
 //!
-//! Limits. Light of lamps and of surfaces that emit, not of an environment. In a medium, surfaces send back
+//! Limits. Without a medium, light of lamps and of surfaces that emit, not of an environment. What a medium
+//! scatters outside of the grid does not come in. In a medium, surfaces send back
 //! light that comes to them, in the mean colour of those around a cell and the way that it came. Light
 //! outside the grid, which ends a cell beyond the scene, is lost. A medium with a preferred direction of
 //! scattering is replaced by a thinner one without, but for the last scattering towards the eye, where
@@ -154,5 +158,29 @@ impl Technique for KeptLight {
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
         reference::lit_image(inputs, view, self.0, Filled::Kept)
+    }
+}
+
+/// Light that surfaces emit and others have reflected, once or more often, as surfaces get it: what
+/// `composed` has beside that which they get at once. A medium dims it.
+#[derive(Clone, Copy, Debug)]
+pub struct ReflectedEmission(pub LpvParameters);
+
+impl Technique for ReflectedEmission {
+    fn about(&self) -> About {
+        self.0.about()
+    }
+
+    fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
+        passes::uniforms(view, f32::MAX)
+    }
+
+    fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
+        passes::lit_steps(to, self.0, Filled::ReflectedEmission)
+    }
+
+    fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
+        let view = View { radius: f32::MAX, ..*view };
+        reference::lit_image(inputs, &view, self.0, Filled::ReflectedEmission)
     }
 }

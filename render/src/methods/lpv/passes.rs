@@ -8,7 +8,7 @@ use super::volume_buffers::{self, Nesting, VolumeBuffers};
 use crate::lpv::propagation::Kinds;
 use crate::lpv::sides::SIDES;
 use crate::raster::World;
-use crate::scene::{Bounds, Scene};
+use crate::scene::{Bounds, Density, Scene};
 use crate::screen::{Device, MethodStep, Resources, View, Workgroups};
 use crate::surfels::cloud::{self, SURFEL_GROUPS};
 use crate::surfels::light;
@@ -35,6 +35,9 @@ pub enum Filled {
     Clear,
     /// Nothing; there is no light but what surfaces kept.
     Kept,
+    /// The scene's medium, if it has one, which dims light; of that which surfaces emit, what others have
+    /// reflected once or more often.
+    ReflectedEmission,
     /// The scene's medium; of light, what is said.
     Medium(MediumLight),
 }
@@ -48,6 +51,8 @@ pub struct Shines {
     pub gives_back: bool,
     /// Whether the medium does.
     pub medium_gives_back: bool,
+    /// Whether the sky does.
+    pub sky: bool,
 }
 
 /// What of the light in a medium is shown.
@@ -67,32 +72,37 @@ impl Filled {
     /// The kinds of light that are kept apart for it.
     pub const fn kinds(self) -> Kinds {
         match self {
-            Self::Medium(MediumLight::Multiple) => {
-                Kinds { unscattered: 2, scattered: true, is_steady: false }
-            }
+            Self::Medium(MediumLight::Multiple) => Kinds { unscattered: 2, scattered: true, ..Kinds::ONE },
             Self::Medium(MediumLight::Reflected { by_surfaces: false }) => {
-                Kinds { unscattered: SIDES, scattered: false, is_steady: true }
+                Kinds { unscattered: SIDES, is_steady: true, ..Kinds::ONE }
             }
+            Self::ReflectedEmission => Kinds { is_reflected: true, ..Kinds::ONE },
             Self::Clear | Self::Kept | Self::Medium(MediumLight::Reflected { by_surfaces: true }) => {
-                Kinds { unscattered: 1, scattered: false, is_steady: false }
+                Kinds::ONE
             }
         }
     }
 
     /// Whether there is the scene's medium.
     pub const fn has_medium(self) -> bool {
-        matches!(self, Self::Medium(_))
+        matches!(self, Self::Medium(_) | Self::ReflectedEmission)
+    }
+
+    /// Whether what surfels send begins as emitted light does: shown is what others reflect of it.
+    pub const fn begins_as_emitted(self) -> bool {
+        matches!(self, Self::ReflectedEmission)
     }
 
     /// What of a scene shines into it by itself, as lamps do.
     pub fn shines(self, scene: &Scene) -> Shines {
         match self {
             Self::Clear => Shines { emits: scene.emits(), ..Shines::default() },
-            Self::Kept => Shines::default(),
+            Self::Kept | Self::ReflectedEmission => Shines::default(),
             Self::Medium(_) => Shines {
                 emits: scene.emits(),
                 gives_back: scene.keeps_light(),
                 medium_gives_back: scene.medium_keeps_light(),
+                sky: sees_sky(scene),
             },
         }
     }
@@ -102,9 +112,16 @@ impl Filled {
         match self {
             Self::Clear => SurfelLight::Reflected,
             Self::Kept => SurfelLight::Kept,
+            Self::ReflectedEmission => SurfelLight::Emitted,
             Self::Medium(_) => SurfelLight::Dimmed { is_grey: false },
         }
     }
+}
+
+/// Whether the sky shines into a scene's medium: none does through one without an end.
+fn sees_sky(scene: &Scene) -> bool {
+    let has_end = scene.medium.as_ref().is_some_and(|medium| medium.density != Density::Everywhere);
+    has_end && scene.environment.is_some()
 }
 
 /// What of a pixel is lit by the grid.
@@ -144,8 +161,15 @@ pub fn lit_surfels(
     Ok((surfels, steps))
 }
 
-/// The passes that fill volumes with the light of surfels, one around a scene and finer ones in it, and hand
-/// it on.
+/// The volumes of a frame, one around a scene and finer ones in it.
+pub struct FilledVolumes {
+    /// Light that surfaces or the medium turned.
+    pub light: Vec<VolumeOnGpu>,
+    /// What a scene and the sky send by themselves, on its way to them; empty where nothing is.
+    pub emission: Vec<VolumeOnGpu>,
+}
+
+/// The passes that fill volumes with the light of surfels and hand it on.
 ///
 /// # Errors
 /// If there is no scene, or the device has no room.
@@ -154,7 +178,7 @@ pub fn volume_steps(
     parameters: LpvParameters,
     filled: Filled,
     surfels: &Surfels,
-) -> Result<(Vec<VolumeOnGpu>, Vec<MethodStep>), GpuError> {
+) -> Result<(FilledVolumes, Vec<MethodStep>), GpuError> {
     let device = to.device;
     let frame = Frame::new(to)?;
     let grids = parameters.grids(frame.world.bounds, frame.world.bounds.centre());
@@ -178,8 +202,12 @@ pub fn volume_steps(
     }
     let finer = levels.iter().skip(1).map(|level| Some(level.light.record.clone())).chain([None]);
     let finer: Vec<_> = finer.collect();
-    let volume = |(level, finer): (Level, _)| VolumeOnGpu { finer, ..level.light };
-    Ok((levels.into_iter().zip(finer).map(volume).collect(), steps))
+    let mut volumes = FilledVolumes { light: Vec::new(), emission: Vec::new() };
+    for (Level { light, emission }, finer) in levels.into_iter().zip(finer) {
+        volumes.emission.extend(emission.map(|light| VolumeOnGpu { finer: finer.clone(), ..light }));
+        volumes.light.push(VolumeOnGpu { finer, ..light });
+    }
+    Ok((volumes, steps))
 }
 
 /// The passes that light surfaces by volumes, in an image.
@@ -194,7 +222,7 @@ pub fn lit_steps(
     let (surfels, mut steps) = lit_surfels(to, parameters, filled)?;
     let (volumes, filling) = volume_steps(to, parameters, filled, &surfels)?;
     steps.extend(filling);
-    for volume in &volumes {
+    for volume in &volumes.light {
         steps.push(volume.lit_step(to, &to.uniforms[VIEW])?);
     }
     steps.extend(light::ending(to.device, to.scene()?, Some(filled.lit()), to.output)?);
@@ -210,18 +238,24 @@ fn level_steps(
     outside: Option<&Level>,
     (parameters, filled): (LpvParameters, Filled),
 ) -> Result<(Level, Vec<MethodStep>), GpuError> {
-    let mut steps = injection(device, frame, surfels, &room)?;
-    if filled.has_medium() {
+    let has_emission = surfels.shining.is_any() || filled.begins_as_emitted();
+    let emission = || room.of_emission(device, surfels.shining.sky.is_some());
+    let emission = has_emission.then(emission).transpose()?;
+    let mut steps = Vec::new();
+    for room in [Some(&room), emission.as_ref()].into_iter().flatten() {
+        steps.push(clear_step(device, room)?);
+    }
+    let first = emission.as_ref().filter(|_| filled.begins_as_emitted()).unwrap_or(&room);
+    steps.extend(injection(device, frame, surfels, (&room, &first.sums))?);
+    if filled.has_medium() && frame.world.scene().medium.is_some() {
         steps.push(room.media_step(device, frame.world)?);
     }
     let iterations = parameters.iterations;
-    let mut emission = None;
-    if surfels.shining.is_any() {
+    if let Some(emission) = &emission {
         let outside = outside.and_then(|outside| outside.emission.as_ref());
-        let (shown, emitted) = emission_steps(device, frame, surfels, &room, (outside, iterations))?;
-        steps.extend(emitted);
-        emission = Some(shown);
+        steps.extend(emission_steps(device, frame, surfels, (emission, &room), (outside, iterations))?);
     }
+    let emission = emission.map(VolumeBuffers::volume);
     steps.push(room.fresh_step(device, frame.world)?);
     if room.kinds.scattered {
         steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
@@ -246,21 +280,20 @@ fn surfel_steps(
     Ok(steps)
 }
 
-/// Surfels as light and as blockers.
+/// Surfels as light, which is added to sums, and as blockers.
 fn injection(
     device: &Device,
     Frame { view, .. }: Frame<'_>,
     surfels: &Surfels,
-    room: &VolumeBuffers,
+    (room, sums): (&VolumeBuffers, &wgpu::Buffer),
 ) -> Result<Vec<MethodStep>, GpuError> {
     let Surfels { cloud, sent, .. } = surfels;
-    let VolumeBuffers { record, sums, blockers, links, groups, .. } = room;
+    let VolumeBuffers { record, blockers, links, groups, .. } = room;
     let read = [record, view, &cloud.totals, &cloud.surfels, sent];
     let read: Vec<_> = (0..).zip(read).chain([(7, &cloud.patches), (8, &cloud.starts)]).collect();
     let written = [(5, sums), (6, blockers)];
     let [inject, link] = [Shader::at("methods/lpv/inject"), Shader::at("methods/lpv/links")];
     Ok(vec![
-        clear_step(device, room)?,
         MethodStep::bind_at(device, &device.pass(inject, &[])?, surfels.groups(), &read, &written)?,
         MethodStep::bind(device, &device.pass(link, &[])?, groups.clone(), &[record, blockers], &[links])?,
     ])
@@ -272,11 +305,10 @@ fn emission_steps(
     device: &Device,
     Frame { world, view, .. }: Frame<'_>,
     surfels: &Surfels,
-    room: &VolumeBuffers,
+    (emitted, room): (&VolumeBuffers, &VolumeBuffers),
     (outside, iterations): (Option<&VolumeOnGpu>, usize),
-) -> Result<(VolumeOnGpu, Vec<MethodStep>), GpuError> {
+) -> Result<Vec<MethodStep>, GpuError> {
     let Surfels { cloud, shining, .. } = surfels;
-    let emitted = room.of_emission(device)?;
     let nested = ("NESTED", u32::from(outside.is_some()));
     let constants = [room.scheme.lookup_constant(), nested];
     let reflects = device.pass(Shader::at("methods/lpv/reflect"), &constants)?;
@@ -285,16 +317,18 @@ fn emission_steps(
     let reflecting: Vec<_> = (0..).zip(reads).chain(others).collect();
     // However far it came: a radius is of what surfaces reflect.
     let reach = gpu::uniform(device, "lpv.reach", &uniforms::Propagation { reach: f32::MAX })?;
-    let mut steps = vec![clear_step(device, &emitted)?];
-    steps.extend(shining.sending_steps(device, world, (cloud, view), &emitted)?);
-    steps.push(emitted.fresh_step(device, world)?);
+    let mut steps = shining.sending_steps(device, world, (cloud, view), emitted)?;
+    steps.push(match &shining.sky {
+        Some(sky) => emitted.enter_step(device, world, sky)?,
+        None => emitted.fresh_step(device, world)?,
+    });
     if let Some(outside) = outside {
         steps.push(emitted.border_step(device, world, outside)?);
     }
     steps.extend(emitted.propagation_steps(device, world, iterations, &reach)?);
     let written = [(5, &room.sums)];
     steps.push(MethodStep::bind_at(device, &reflects, surfels.groups(), &reflecting, &written)?);
-    Ok((emitted.volume(), steps))
+    Ok(steps)
 }
 
 /// Sums of the frame before are forgotten.

@@ -9,8 +9,8 @@ use deepshade_shaders::wgsl::Shader;
 /// Parts of the cells whose energies are summed apart.
 const PARTS: u32 = 64;
 
-/// Iterations of scattered light, with the passes that measure and weigh; of other light, and where there are
-/// too few to tell, they are as they come.
+/// Iterations of light that goes on and on, with the passes that measure and weigh; of other light, and where
+/// there are too few to tell, they are as they come.
 ///
 /// # Errors
 /// If the device refuses a pass.
@@ -19,7 +19,7 @@ pub fn with_end(
     device: &Device,
     iterations: Vec<MethodStep>,
 ) -> Result<Vec<MethodStep>, GpuError> {
-    let Some(first) = iterations.len().checked_sub(LOOKED_AT + 1).filter(|_| room.kinds.scattered) else {
+    let Some(first) = iterations.len().checked_sub(LOOKED_AT + 1).filter(|_| room.kinds.goes_on()) else {
         return Ok(iterations);
     };
     let buffer = || gpu::empty::<[f32; 4]>(device, "lpv.energies", PARTS as usize * room.kinds.count());

@@ -1,8 +1,9 @@
-//! Light that a scene sends by itself: what surfaces emit, and what they and a medium give back of what they
-//! kept.
+//! Light that a scene sends by itself: what surfaces emit, what they and a medium give back of what they
+//! kept, and what comes from the sky.
 
 use super::passes::{Filled, Shines};
 use super::volume_buffers::VolumeBuffers;
+use crate::lpv::sky::Sky;
 use crate::methods::phosphor::cells::Cells;
 use crate::raster::World;
 use crate::screen::{Device, MethodStep, PassDispatch, Workgroups};
@@ -19,6 +20,8 @@ pub struct Shining {
     kept: Option<wgpu::Buffer>,
     /// What a medium keeps, if it does.
     cells: Option<Cells>,
+    /// What the sky sends in, `[27, 4]` f32, if there is one: [`Sky::record`].
+    pub sky: Option<wgpu::Buffer>,
 }
 
 impl Shining {
@@ -33,20 +36,23 @@ impl Shining {
         (filled, edge): (Filled, f32),
         sends: u64,
     ) -> Result<Self, GpuError> {
-        let Shines { emits, gives_back, medium_gives_back } = filled.shines(world.scene());
+        let Shines { emits, gives_back, medium_gives_back, sky } = filled.shines(world.scene());
         let emissions = || gpu::storage(device, "lpv.emissions", &world.emissions());
         let kept = || gpu::empty::<u8>(device, "lpv.kept", sends as usize);
         let cells = || Cells::new(device, world, edge);
+        let environment = world.scene().environment.as_deref().filter(|_| sky);
+        let sky = |environment| gpu::storage(device, "lpv.sky", &Sky::new(environment).record());
         Ok(Self {
             emissions: emits.then(emissions).transpose()?,
             kept: gives_back.then(kept).transpose()?,
             cells: medium_gives_back.then(cells).transpose()?.flatten(),
+            sky: environment.map(sky).transpose()?,
         })
     }
 
     /// Whether there is any.
     pub const fn is_any(&self) -> bool {
-        self.emissions.is_some() || self.kept.is_some() || self.cells.is_some()
+        self.emissions.is_some() || self.kept.is_some() || self.cells.is_some() || self.sky.is_some()
     }
 
     /// The passes that move what is kept on by the time since the frame before.
@@ -71,7 +77,7 @@ impl Shining {
         Ok(steps)
     }
 
-    /// The passes that add it to a volume's sums.
+    /// The passes that add what surfaces and the medium send to a volume's sums.
     ///
     /// # Errors
     /// If the device refuses them.

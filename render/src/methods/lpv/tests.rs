@@ -1,10 +1,12 @@
 //! The passes against their plain version, and what must hold of images.
 
+mod emission;
 mod kept;
 mod motion;
 mod outside;
 mod room;
 mod scales;
+mod sky;
 
 use super::in_medium::InMedium;
 use super::passes::{Filled, MediumLight, Pixel};

@@ -96,18 +96,19 @@ impl VolumeBuffers {
         })
     }
 
-    /// That of light which a scene sends by itself: blockers and medium are the same, and so is the room for
-    /// light on its way, which is there before what surfaces reflect.
+    /// That of light which a scene sends by itself, and a sky if there is one: blockers and medium are the
+    /// same, and so is the room for light on its way, which is there before what surfaces reflect.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn of_emission(&self, device: &Device) -> Result<Self, GpuError> {
+    pub fn of_emission(&self, device: &Device, has_sky: bool) -> Result<Self, GpuError> {
+        let kinds = Kinds { is_steady: has_sky, ..Kinds::ONE };
         Ok(Self {
             sums: gpu::empty::<u32>(device, "lpv.emitted_sums", LIGHT_WORDS * self.cells)?,
             blockers: gpu::empty::<u32>(device, "lpv.no_blockers", BLOCKER_WORDS)?,
             shown: gpu::empty::<[f32; 4]>(device, "lpv.emitted", 3 * self.cells)?,
-            source: source(device, EMITTED, self.cells)?,
-            kinds: EMITTED,
+            source: source(device, kinds, self.cells)?,
+            kinds,
             ..self.clone()
         })
     }
@@ -176,6 +177,33 @@ impl VolumeBuffers {
         MethodStep::bind_at(device, &pass, self.groups.clone(), &reads, &writes)
     }
 
+    /// The same of light that a scene and a sky of such a [record](crate::lpv::sky::Sky::record) send on and
+    /// on.
+    ///
+    /// # Errors
+    /// If the device refuses it.
+    pub fn enter_step(
+        &self,
+        device: &Device,
+        world: &World,
+        sky: &wgpu::Buffer,
+    ) -> Result<MethodStep, GpuError> {
+        let MediumOnGpu { record: medium, densities, kind } = &world.medium;
+        let own = [("MEDIUM", *kind), self.similar(), self.nested()];
+        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
+        let pass = device.pass(Shader::at("methods/lpv/enter"), &constants)?;
+        let buffers = [&self.record, &self.sums, &self.states[0], &self.shown, &self.source];
+        let buffers = buffers.into_iter().chain([&self.weights, medium, &self.media, sky]);
+        let buffers = (0..).zip(buffers.map(|buffer| buffer.as_entire_binding()));
+        let densities = (9, wgpu::BindingResource::TextureView(densities));
+        let step = PassDispatch {
+            pass: pass.bind_at(device, buffers.chain([densities]))?,
+            workgroups: self.groups.clone(),
+        };
+        let writes = [&self.shown, &self.source, &self.weights, &self.states[0]];
+        Ok(MethodStep { step, writes: writes.map(Clone::clone).into() })
+    }
+
     /// What the medium does in cells.
     ///
     /// # Errors
@@ -240,8 +268,8 @@ impl VolumeBuffers {
         MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
     }
 
-    /// So many iterations; they end where light has gone as far as `reach` says. Of scattered light the last
-    /// stands for all that would follow.
+    /// So many iterations; they end where light has gone as far as `reach` says. Of light that goes on and on
+    /// the last stands for all that would follow.
     ///
     /// # Errors
     /// If the device refuses them.
@@ -257,7 +285,8 @@ impl VolumeBuffers {
             && self.scheme.factors == Factors::Placed
             && world.medium.kind != MediumOnGpu::EVERYWHERE;
         let borders = ("BORDERS", u32::from(borders));
-        let own = [borders, self.first(), self.nested(), self.similar(), self.steady()];
+        let reflects = ("REFLECTS", u32::from(self.kinds.goes_on()));
+        let own = [borders, reflects, self.first(), self.nested(), self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let compiled = |shows: bool| {
             let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();
@@ -285,9 +314,6 @@ impl VolumeBuffers {
         &self.states[1 - iteration % 2]
     }
 }
-
-/// Light that a scene sends by itself, until something turns it.
-pub const EMITTED: Kinds = Kinds { unscattered: 1, scattered: false, is_steady: false };
 
 /// Room for what each iteration adds, which only steady light needs.
 fn source(device: &Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, GpuError> {

@@ -61,7 +61,7 @@ fn way_of(handed: vec4f, within: f32, extinction: f32, again: f32) -> f32 {
 // Light of a kind in a cell of the coarser grid.
 fn of_kind(light: u32, at: u32) -> vec4f {
     let plane = 3u * u32(outside.size.w);
-    if STEADY == 1u {
+    if STEADY == 1u && KINDS > 1u {
         let all = shown[at];
         let along = abs(all.xyz);
         var axis = select(2u, 1u, along.y >= along.z);

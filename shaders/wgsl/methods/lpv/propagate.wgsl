@@ -16,6 +16,7 @@
 #constant FIRST = 1
 #constant LOBES = 0
 #constant NESTED = 1
+#constant REFLECTS = 1
 #constant SCATTERED = 1
 #constant SHOWS = 1
 #constant STEADY = 1
@@ -208,6 +209,8 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
         }
         if SCATTERED == 1u {
             arrived[KINDS - 1u].energy += collides * albedo * max(goes_in - enters[kind], vec3f(0.0));
+        }
+        if REFLECTS == 1u {
             // What the cell itself sends there and surfaces on the way reflect comes back half a way later.
             let leaves = leaving(own.rgb, kind);
             let returns = (SHARES[kind] * (on - passes)) * colour;
@@ -226,7 +229,9 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
                 collides += energy;
                 show(&seen, becomes, energy * back, MATTE * direction);
             }
-            arrived[KINDS - 1u].energy += collides * albedo * (1.0 - leaves);
+            if SCATTERED == 1u {
+                arrived[KINDS - 1u].energy += collides * albedo * (1.0 - leaves);
+            }
             if BORDERS == 1u {
                 // What a denser medium there turns back comes as if from there.
                 let turned = share * sets_out * turns * (1.0 - goes_out);

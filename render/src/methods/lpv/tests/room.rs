@@ -32,7 +32,7 @@ pub fn mean(image: &[f32]) -> f32 {
 }
 
 /// A closed room with a lamp, and with a wall across it, as thin as a sheet, if it is `divided`.
-fn room(divided: bool) -> Scene {
+pub fn room(divided: bool) -> Scene {
     let quad = |corners: [Vec3; 4]| Mesh {
         positions: corners.to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
