@@ -10,9 +10,10 @@ use prost::Message;
 use std::collections::{BTreeSet, HashSet};
 use thiserror::Error;
 
-/// How far the image may be off. Weights and input are rounded, too, unlike in
-/// [`forward`](deepshade_infer::forward): on a frame the shipped `do-paper` comes to half of it.
-pub const ONNX_HALF_TOLERANCE: Tolerance = Tolerance { of_rms: 0.0, of_largest: 1e-2 };
+/// How far the image may be off. Unlike in [`forward`](deepshade_infer::forward) weights are rounded, too, by
+/// which alone `do-paper` comes to half of it, of a room at 768x512. The other networks of `models` come to
+/// an eighth at most.
+pub const ONNX_HALF_TOLERANCE: Tolerance = Tolerance { of_rms: 0.0, of_largest: 5e-2 };
 
 /// Why a network has no file in half floats.
 #[derive(Debug, Error)]
