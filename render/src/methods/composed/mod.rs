@@ -25,12 +25,12 @@
 //! sky and other surfaces as if they were everywhere alike, so that a mirror shows an even colour. Nothing
 //! hides what surfaces send of lamps or emit to the next ones. Emitted light after its first reflection is as
 //! blurred as the grid's cells are large. Light of lamps that was reflected more than twice is missing unless
-//! the medium scatters it: by the grid it came out brighter than truth in a room full of shelves, whose cells
-//! are larger than what is between them. So is that of the sky that was reflected more than three times.
-//! Light of lamps between surfaces is dimmed up to the first of them only; that of the sky is dimmed on its
-//! way to surfaces as if none were hidden. The sky lights the medium within the grid, and not at all where
-//! the medium has no end. The lens and the shutter are wide open and instant: neither depth of field nor
-//! motion blur.
+//! the medium scatters it, and so is that of the sky that was reflected more than three times. By the grid it
+//! was brighter than truth in a room full of shelves, whose cells are larger than what is between them. Light
+//! of lamps between surfaces is dimmed up to the first of them only; that of the sky is dimmed on its way to
+//! surfaces as if none were hidden. Where little sky is seen, as deep in a building in fog, too much of it
+//! leaks in. The sky lights the medium within the grid, and not at all where the medium has no end. The lens
+//! and the shutter are wide open and instant: neither depth of field nor motion blur.
 
 mod lamps;
 mod passes;

@@ -59,7 +59,6 @@ fn what_walls_reflect_on_and_on_is_no_more_than_a_geometric_series() {
     for (reflectance, least) in [(0.2, 0.8), (0.5, 0.65), (0.8, 0.35)] {
         let series = reflectance / (1.0 - reflectance);
         let ratio = reflected(reflectance) / series;
-        println!("{reflectance}: {ratio}");
         assert!((least..1.05).contains(&ratio), "{reflectance}: {ratio}");
     }
     assert_eq!(reflected(0.0), 0.0);
