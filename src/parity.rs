@@ -22,14 +22,14 @@ use std::path::PathBuf;
 
 /// What the lines say.
 const EXPLANATION: &str = "largest differences from onnxruntime's image of a pixel and channel; reference: plain Rust, \
-    wgsl and wgsl_gpu: kernels for software adapters and for graphics cards, wgsl_half: those in half floats, \
-    onnxruntime_half: the file in half floats";
+    wgsl and wgsl_gpu: kernels for software adapters and for graphics cards, wgsl_half: those in half \
+    floats, onnxruntime_half: the file in half floats";
 
 /// The kernels in half floats, as figures name them.
 const HALF: &str = "wgsl_half";
 
-/// onnxruntime with the file in half floats, as figures name it. Its CPU provider rounds the weights and a few
-/// layers, and computes the others in 32 bits.
+/// onnxruntime with the file in half floats, as figures name it. Its CPU provider rounds the weights and a
+/// few layers, and computes the others in 32 bits.
 const ONNX_HALF: &str = "onnxruntime_half";
 
 /// Checks that burn, the reference, WGSL, the CPU engine and onnxruntime agree.

@@ -115,8 +115,8 @@ pub struct Args {
     /// An EXR file whose layers are seen beside the methods.
     #[arg(long)]
     exr: Option<PathBuf>,
-    /// Key frames of glow to begin with: of a file (.toml) as `deepshade phosphor design` reads, its first place,
-    /// states and length. Lamps are the scene's.
+    /// Key frames of glow to begin with: of a file (.toml) as `deepshade phosphor design` reads, its first
+    /// place, states and length. Lamps are the scene's.
     #[arg(long)]
     key_frames: Option<PathBuf>,
     /// Writes an image of the window here as PNG, once truth has --spp samples and figures are there, and

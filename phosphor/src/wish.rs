@@ -224,7 +224,8 @@ impl Wish {
         self.keys.binary_search_by_key(&frame, |key| key.frame)
     }
 
-    /// The colour of a new key: that of the one nearest in time, else of what the place gave back, else white.
+    /// The colour of a new key: that of the one nearest in time, else of what the place gave back, else
+    /// white.
     fn hue_at(&self, frame: usize) -> [f64; 3] {
         if let Some(next) = self.keys.iter().min_by_key(|key| key.frame.abs_diff(frame)) {
             return next.hue;
