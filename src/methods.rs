@@ -68,7 +68,7 @@ impl Method for InPasses {
 }
 
 /// Effects that trained networks compute.
-const OF_NETWORKS: [Effect; 11] = [
+const OF_NETWORKS: [Effect; 12] = [
     Effect::Ao,
     Effect::Do,
     Effect::Gi,
@@ -78,6 +78,7 @@ const OF_NETWORKS: [Effect; 11] = [
     Effect::MotionBlur,
     Effect::Aa,
     Effect::Multi,
+    Effect::Path,
     Effect::PhosphorGi,
     Effect::Real,
 ];

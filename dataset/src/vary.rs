@@ -46,6 +46,9 @@ pub struct Vary {
     /// One environment for all images, which networks learn by heart (thesis 7.4), or one for each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub environment: Option<Surroundings>,
+    /// Share of the images that have one; all, if left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub environment_share: Option<f32>,
     /// A lens that focuses the depth of a random pixel; the range is that of the radius, in pixels, of the
     /// circle of confusion of what is infinitely far away.
     #[serde(skip_serializing_if = "Option::is_none")]

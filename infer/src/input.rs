@@ -70,7 +70,8 @@ impl NetSpec {
     /// By which light frames are exposed. An estimate that is made of the frame's light is made after that.
     pub(crate) fn lights(&self) -> impl Iterator<Item = Attribute> {
         let lights = self.inputs.iter().copied().filter(|input| unit(*input).scale == Scale::Light);
-        lights.filter(|light| *light != Attribute::Estimate || !self.inputs.contains(&Attribute::Light))
+        let follows = self.effect.definition().filters_light;
+        lights.filter(move |light| *light != Attribute::Estimate || !follows)
     }
 
     /// How bright light is to the network. Light of one bounce is some six times fainter than that which it

@@ -155,9 +155,9 @@ impl AnalyticEstimate {
 
 impl NetSpec {
     /// The network that corrects what a method estimates of an effect, in the form of [`trunk`] with so many
-    /// channels at half the resolution; none where no method does. Those of indirect light and of skies read
-    /// openness beside the light that they correct: surfels of `gi` hide nothing, and the few directions of
-    /// `do` miss much. Filters of light weigh that light itself beside the estimate.
+    /// channels at half the resolution; none where no method does. Those of indirect light, of skies and of
+    /// all light read openness beside the light that they correct: surfels of `gi` hide nothing, and the few
+    /// directions of `do` miss much. Filters of light weigh that light itself beside the estimate.
     pub fn corrected(
         effect: Effect,
         channels: usize,
@@ -165,7 +165,7 @@ impl NetSpec {
         reach: Reach,
     ) -> Option<Self> {
         use Attribute::{
-            Border, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
+            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
             RawOpenness, Relief, SignedCircle,
         };
         let local = [Normal, Relief, PixelRadius, Border];
@@ -173,6 +173,9 @@ impl NetSpec {
         let (inputs, of, over, levels) = match effect {
             Effect::Ao => ([&local[..], &[Openness, RawOpenness]].concat(), Openness, RawOpenness, 2),
             Effect::Gi => ([&local[..], &[DiffuseLight, Estimate, Openness]].concat(), Estimate, Estimate, 2),
+            Effect::Path => {
+                ([&local[..], &[Light, Diffuse, Estimate, Openness]].concat(), Estimate, Estimate, 2)
+            }
             Effect::Do | Effect::PhosphorGi => {
                 ([&local[..], &[Estimate, Openness]].concat(), Estimate, Estimate, 2)
             }

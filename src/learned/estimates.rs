@@ -56,6 +56,7 @@ impl Estimates {
 pub fn no_estimate(error: EstimateError) -> MethodError {
     match error {
         EstimateError::Missing(source) => MethodError::Missing { method: LEARNED, source },
+        EstimateError::Method(error) => error,
         other => MethodError::Other { method: LEARNED, what: other.to_string() },
     }
 }

@@ -39,6 +39,7 @@ fn usual_estimates(effect: Effect) -> Vec<AnalyticEstimate> {
     match effect {
         Effect::Gi | Effect::PhosphorGi => vec![of("surfel", "medium"), of("gtao", "low").of(Effect::Ao)],
         Effect::Do => vec![of("ssdo", "medium"), of("gtao", "medium").of(Effect::Ao)],
+        Effect::Path => vec![of("composed", "low"), of("gtao", "low").of(Effect::Ao)],
         Effect::Dof => vec![of("ring-gather", "high")],
         Effect::Multi => vec![of("occluded-gather", "high")],
         Effect::MotionBlur => vec![of("reconstruction", "high")],

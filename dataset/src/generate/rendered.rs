@@ -2,12 +2,12 @@
 
 use crate::target::{self, TargetMethod};
 use crate::{DatasetError, Pair, Recipe, StagedScene, Variation, truth};
-use deepshade_render::bvh::TracedScene;
+use deepshade_render::gbuffer;
 use deepshade_render::method::Frame;
-use deepshade_render::methods::estimate::{EstimateError, EstimateInputs};
+use deepshade_render::methods::estimate::{EstimateError, EstimateInputs, Estimator, with_estimates};
 use deepshade_render::path::{Estimate, Goal, Sampling, Shot, Truth, render};
 use deepshade_render::scene::Camera;
-use deepshade_shaders::GBuffer;
+use deepshade_shaders::{Attribute, GBuffer};
 
 /// A rendered view.
 pub struct Rendered {
@@ -39,8 +39,9 @@ impl Rendered {
         let radius = staged.radius(&camera, seed);
         let scene = staged.shown(&camera, variation.as_ref())?;
         let gbuffer = staged.gbuffer(&scene, &camera, seed);
-        let gbuffer = estimated(recipe, gbuffer, (&scene, &camera), radius, seed)?;
         let frame = Frame { scene: &scene, camera: &camera, gbuffer: &gbuffer, radius, seed };
+        let gbuffer = estimated(recipe, staged, &frame)?;
+        let frame = Frame { gbuffer: &gbuffer, ..frame };
         let Estimate { mean, variance, samples } = target(recipe, method, &frame)?;
         let mean = truth::within_half(staged.photographed(mean, seed));
         let gbuffer = truth::light_within_half(gbuffer);
@@ -54,23 +55,30 @@ impl Rendered {
     }
 }
 
-/// A g-buffer with what the recipe's methods estimate.
+/// A frame's g-buffer with what the recipe's methods estimate.
 fn estimated(
     recipe: &Recipe,
-    gbuffer: GBuffer,
-    scene: (&TracedScene, &Camera),
-    radius: f32,
-    seed: u32,
+    staged: &StagedScene<'_>,
+    frame: &Frame<'_>,
 ) -> Result<GBuffer, DatasetError> {
-    recipe.estimators().try_fold(gbuffer, |gbuffer, estimator| {
-        let inputs = EstimateInputs { gbuffer: &gbuffer, radius, seed, scene: Some(scene) };
-        let made = estimator.on_processor(&inputs);
-        let refused = |error: EstimateError| DatasetError::Recipe {
-            path: recipe.path.clone(),
-            what: format!("`estimates`: {error}"),
-        };
-        Ok(gbuffer.with(estimator.makes(), &made.map_err(refused)?))
-    })
+    let Frame { scene, camera, gbuffer: seen, radius, seed } = *frame;
+    let estimators = staged.estimators();
+    let mut all = seen.clone();
+    // Methods may read what pairs do not hold.
+    let is_missing = |attribute: &&Attribute| !seen.attributes().contains(attribute);
+    for attribute in estimators.iter().flat_map(Estimator::reads).filter(is_missing) {
+        let beside = gbuffer::render(scene, camera, seen.height(), seen.width(), &[*attribute]);
+        all = all.with(&[*attribute], beside.planes().data());
+    }
+    let refused = |error: EstimateError| DatasetError::Recipe {
+        path: recipe.path.clone(),
+        what: format!("`estimates`: {error}"),
+    };
+    let inputs = EstimateInputs { gbuffer: &all, radius, seed, scene: Some((scene, camera)) };
+    let all = with_estimates(&inputs, estimators).map_err(refused)?;
+    let kept = recipe.attributes();
+    let planes = all.select(&kept).map_err(|missing| refused(missing.into()))?;
+    Ok(GBuffer::new(kept, planes))
 }
 
 /// Truth with as many samples as the recipe wants, or what its method makes.

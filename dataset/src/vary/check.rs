@@ -38,6 +38,10 @@ impl Vary {
         if of_a_past && self.motion.is_some() && self.timeline.is_none() {
             return Err(format!("`vary.motion` means nothing for effect `{effect}` without `vary.timeline`"));
         }
+        if self.environment_share.is_some() && (self.environment.is_none() || *needs == Some("environment")) {
+            let without = "without `vary.environment`, or of an effect that needs one";
+            return Err(format!("`vary.environment_share` means nothing {without}"));
+        }
         self.check_limits()
     }
 
@@ -51,6 +55,9 @@ impl Vary {
             && !(2..=MOST_SKIES).contains(&count)
         {
             return Err(format!("`vary.environment.skies` must be 2 to {MOST_SKIES}"));
+        }
+        if !self.environment_share.is_none_or(|share| (0.0..=1.0).contains(&share)) {
+            return Err("`vary.environment_share` must be 0 to 1".to_owned());
         }
         let FogRange { optical_depth, smoke_share } =
             self.fog.unwrap_or(FogRange { optical_depth: [1.0; 2], smoke_share: 0.0 });

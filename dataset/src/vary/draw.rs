@@ -43,6 +43,7 @@ pub(crate) mod purpose {
     pub const FIELD_OF_VIEW: u64 = 13;
     pub const RADIUS: u64 = 14;
     pub const ENVIRONMENT: u64 = 15;
+    pub const HAS_ENVIRONMENT: u64 = 16;
 }
 
 /// Whether an effect shows light that lamps may be the source of.

@@ -1,11 +1,13 @@
-//! What all images of a recipe share: a pool of textures and one of environments.
+//! What all images of a recipe share: a pool of textures, one of environments, and the methods that estimate
+//! what networks read.
 
 use super::draw::purpose;
 use super::pool::Pool;
 use super::{Surroundings, Textures};
-use crate::random::mix;
+use crate::random::{mix, uniform};
 use crate::recipe::file_hash;
 use crate::{DatasetError, Recipe};
+use deepshade_render::methods::estimate::Estimator;
 use deepshade_render::scene::Environment;
 use deepshade_render::scene::procedural::{Split, sky};
 use rayon::prelude::*;
@@ -13,11 +15,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Textures and environments.
+/// Textures, environments and methods.
 #[derive(Debug, Default)]
 pub struct Props {
     textures: Pool,
     environments: Vec<Arc<Environment>>,
+    /// Share of the images that have one; all without it.
+    environment_share: Option<f32>,
+    estimators: Vec<Estimator>,
 }
 
 impl Props {
@@ -27,7 +32,8 @@ impl Props {
     /// # Errors
     /// If a file or folder is missing or damaged, or a folder holds no image.
     pub fn load(recipe: &Recipe) -> Result<Self, DatasetError> {
-        let Some(vary) = &recipe.vary else { return Ok(Self::default()) };
+        let estimators = recipe.estimators().collect();
+        let Some(vary) = &recipe.vary else { return Ok(Self { estimators, ..Self::default() }) };
         let textures = match &vary.textures {
             None => Pool::default(),
             Some(Textures::Procedural(count)) => Pool::patterns(*count, recipe.seed, recipe.split),
@@ -43,7 +49,8 @@ impl Props {
             }
             Some(Surroundings::File(path)) => vec![Environment::load(&recipe.folder.join(path))?],
         };
-        Ok(Self { textures, environments: environments.into_iter().map(Arc::new).collect() })
+        let environments = environments.into_iter().map(Arc::new).collect();
+        Ok(Self { textures, environments, environment_share: vary.environment_share, estimators })
     }
 
     /// [`Props::load`] for data that were made with files of these hashes.
@@ -64,8 +71,17 @@ impl Props {
         &self.textures
     }
 
+    /// The methods that estimate what networks read.
+    pub(super) fn estimators(&self) -> &[Estimator] {
+        &self.estimators
+    }
+
     /// What shines from infinitely far away in the image of a seed.
     pub(super) fn environment(&self, seed: u64) -> Option<&Arc<Environment>> {
+        let has = |share| uniform(&[seed, purpose::HAS_ENVIRONMENT]) < share;
+        if !self.environment_share.is_none_or(has) {
+            return None;
+        }
         let count = self.environments.len() as u64;
         let chosen = if count > 1 { mix(&[seed, purpose::ENVIRONMENT]) % count } else { 0 };
         self.environments.get(chosen as usize)
@@ -110,5 +126,22 @@ mod tests {
         };
         assert_eq!(distinct(&training), 3);
         assert!(testing.iter().all(|sky| !training.contains(sky)));
+    }
+
+    #[test]
+    fn so_many_images_have_an_environment_as_their_share_says() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/ibl.toml");
+        let recipe = Recipe::load(&path).expect("a sound recipe");
+        let under = |environment_share: f32| {
+            let environment = Some(Surroundings::Sky(1));
+            let vary =
+                Vary { environment, environment_share: Some(environment_share), ..Vary::default() };
+            let props = Props::load(&Recipe { vary: Some(vary), ..recipe.clone() }).expect("no files");
+            (0..1000).filter(|seed| props.environment(*seed).is_some()).count()
+        };
+        let [none, some, all] = [0.0, 0.3, 1.0].map(under);
+        assert_eq!([none, all], [0, 1000]);
+        // Four standard deviations.
+        assert!((242..358).contains(&some), "{some}");
     }
 }

@@ -8,6 +8,7 @@ use crate::recipe::Viewpoint;
 use crate::{DatasetError, Recipe, SceneOrCapture, SceneRecord, Sensor, views};
 use deepshade_render::bvh::TracedScene;
 use deepshade_render::gbuffer;
+use deepshade_render::methods::estimate::Estimator;
 use deepshade_render::scene::{AnimatedScene, Camera, Scene, SceneSource};
 use deepshade_shaders::{GBuffer, Planes};
 use glam::Vec3;
@@ -61,6 +62,11 @@ impl<'a> StagedScene<'a> {
             }
         }
         Ok(Self { base: Arc::new(prepared(base, recipe)?), animation, in_timeline, recipe, props })
+    }
+
+    /// The methods that estimate what networks read of its images.
+    pub fn estimators(&self) -> &[Estimator] {
+        self.props.estimators()
     }
 
     /// The scene as it is by itself, in which views are sampled.

@@ -62,7 +62,7 @@ def is_everywhere(name: str, spec: NetSpec) -> bool:
 def exposure(layers: Mapping[str, Tensor], spec: NetSpec) -> Tensor:
     """What the light of a frame is multiplied by; 1 where the network reads none."""
     names = [name for name in spec.inputs if ATTRIBUTES[name].scale == "light"]
-    if "light" in names:
+    if spec.definition.filters_light:
         # An estimate that is made of the frame's light is made after that is exposed.
         names = [name for name in names if name != "estimate"]
     lights = [layers[ATTRIBUTES[name].layer] for name in names]

@@ -1,7 +1,10 @@
-//! Images that cheap methods make for networks to read, on the processor: attributes like any other.
+//! Images that cheap methods make for networks to read, on the processor: attributes like any other. Of a
+//! scene that takes too long in plain code where a method has no version in vector instructions: an adapter
+//! makes it then, if there is one.
 
 use super::{Quality, all};
 use crate::bvh::TracedScene;
+use crate::method::{Frame, MethodError, Repeats};
 use crate::scene::{Camera, Lens};
 use crate::screen::{About, PlainInputs, ScreenMethod, Technique, View};
 use deepshade_shaders::effect::LitBy;
@@ -9,13 +12,15 @@ use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::host::HostPasses;
 use deepshade_shaders::{Attribute, Effect, GBuffer, MissingAttribute};
 use glam::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use thiserror::Error;
 
 /// A method that makes what a network reads, at a quality.
 #[derive(Clone, Debug)]
 pub struct Estimator {
     technique: Arc<dyn Technique>,
+    /// Its passes on an adapter, once they were needed; none where there is no adapter.
+    passes: Arc<OnceLock<Option<ScreenMethod>>>,
 }
 
 /// What an estimate is made of, for an effect that reaches `radius` metres.
@@ -32,7 +37,7 @@ pub struct EstimateInputs<'a> {
 }
 
 /// Why there is no estimate.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[derive(Debug, Error)]
 pub enum EstimateError {
     /// No such method makes estimates.
     #[error("no method `{method}` makes estimates of `{effect}` for networks; {known}")]
@@ -53,6 +58,9 @@ pub enum EstimateError {
     /// The g-buffer lacks what the method reads.
     #[error(transparent)]
     Missing(#[from] MissingAttribute),
+    /// The adapter failed.
+    #[error(transparent)]
+    Method(#[from] MethodError),
     /// Only a scene tells it.
     #[error(
         "the network reads `{layer}`, which `{method}` makes of a scene: of a g-buffer alone it cannot be \
@@ -91,7 +99,8 @@ impl Estimator {
         let quality = known.ok_or_else(|| EstimateError::Quality(quality.to_owned()))?;
         let of_effect = all().iter().filter(|entry| entry.effect == effect);
         let techniques = of_effect.filter_map(|entry| entry.technique(quality));
-        let mut known: Vec<Self> = techniques.map(|technique| Self { technique }).collect();
+        let mut known: Vec<Self> =
+            techniques.map(|technique| Self { technique, passes: Arc::default() }).collect();
         known.retain(|estimator| makes_estimates(&estimator.about()));
         if let Some(found) = known.iter().position(|estimator| estimator.method() == method) {
             return Ok(known.swap_remove(found));
@@ -117,6 +126,11 @@ impl Estimator {
 
     fn about(&self) -> About {
         self.technique.about()
+    }
+
+    /// Its passes on an adapter, if there is one, which is asked for once.
+    fn passes(&self) -> Option<&ScreenMethod> {
+        self.passes.get_or_init(|| Gpu::new().ok().map(|gpu| self.on(&gpu))).as_ref()
     }
 
     /// Its method's name.
@@ -166,11 +180,11 @@ impl Estimator {
         self.makes().iter().all(|made| held.contains(made))
     }
 
-    /// What it makes of a frame, plane after plane, in vector instructions where the method has such a
-    /// version.
+    /// What it makes of a frame, plane after plane: in vector instructions where the method has such a
+    /// version, else, of a scene, in its passes on an adapter.
     ///
     /// # Errors
-    /// If the g-buffer lacks an attribute, or the scene is not known and has to be.
+    /// If the g-buffer lacks an attribute, the scene is not known and has to be, or the adapter fails.
     pub fn on_processor(&self, inputs: &EstimateInputs<'_>) -> Result<Vec<f32>, EstimateError> {
         let scene = match self.reads_scene() {
             true => Some(inputs.scene.ok_or_else(|| self.wants_scene())?),
@@ -181,6 +195,13 @@ impl Estimator {
         let plain =
             PlainInputs { gbuffer: inputs.gbuffer, environment, scene: scene.map(|(scene, _)| scene) };
         let by_vectors = self.technique.on_processor(&plain, &view);
+        if let (None, Some((scene, camera))) = (&by_vectors, scene)
+            && let Some(passes) = self.passes()
+        {
+            let EstimateInputs { gbuffer, radius, seed, .. } = *inputs;
+            let frame = Frame { scene, camera, gbuffer, radius, seed };
+            return Ok(passes.shade_in_passes(&frame, Repeats::ONCE)?.image.data().to_vec());
+        }
         let mut written = by_vectors.unwrap_or_else(|| self.technique.reference(&plain, &view))?;
         let image = written.pop().unwrap_or_default();
         let raw = if self.makes().len() > 1 { written.swap_remove(0) } else { Vec::new() };
@@ -255,11 +276,8 @@ mod tests {
             let far = made.data().iter().zip(expected.data()).filter(|(a, b)| (*a - *b).abs() > 0.05).count();
             assert!(far * 100 < made.data().len(), "{attribute:?}: {far} pixels");
         }
-        assert_eq!(
-            with_estimates(&of(&with), &estimators(&[(Effect::Ao, "gtao")])),
-            Ok(with.clone()),
-            "made once"
-        );
+        let again = with_estimates(&of(&with), &estimators(&[(Effect::Ao, "gtao")])).expect("estimates");
+        assert_eq!(again, with, "made once");
     }
 
     #[test]
@@ -300,8 +318,8 @@ mod tests {
             let unknown = refused(effect, method, "low");
             assert!(unknown.is_err_and(|error| error.contains("`estimate`") && error.contains("scene")));
         }
-        let form = Estimator::parse(Effect::Ao, "gtao").map(|_| ());
-        assert_eq!(form, Err(EstimateError::Form("gtao".to_owned())));
+        let form = Estimator::parse(Effect::Ao, "gtao");
+        assert!(matches!(form, Err(EstimateError::Form(text)) if text == "gtao"));
     }
 
     /// What a method makes on the processor and in its passes, low, in a room.
@@ -337,6 +355,13 @@ mod tests {
             .zip(expected.data())
             .filter(|(a, b)| (*a - *b).abs() > 0.1 * b.abs() + 0.01 * mean(&expected));
         assert!(off.count() * 10 < made.data().len());
+    }
+
+    #[test]
+    fn an_adapter_makes_what_has_no_version_for_the_processor() {
+        let [made, expected] = on_processor_and_in_passes(Effect::Path, "composed");
+        assert!(mean(&expected) > 1e-3, "{}", mean(&expected));
+        assert_eq!(made, expected);
     }
 
     #[test]
