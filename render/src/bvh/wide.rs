@@ -169,10 +169,11 @@ impl Child {
 }
 
 impl Node {
-    /// Boxes that no ray meets.
+    /// Boxes that no ray meets. One whose direction is not a number enters them all: that must not lead back
+    /// to a node, or it would never end.
     const EMPTY: Self = Self {
         bounds: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3],
-        children: [Child(0); LANES],
+        children: [Child::leaf(0); LANES],
     };
 
     fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {

@@ -272,3 +272,16 @@ fn each_triangle_is_in_one_leaf_and_in_all_boxes_above() {
         assert_eq!(leaves, wide.leaves.len());
     }
 }
+
+/// Such a ray meets nothing, and its walk ends.
+#[test]
+fn a_ray_without_a_direction_meets_nothing() {
+    let soup = soup(300, 0.5);
+    let wide = wide(&soup, false);
+    for direction in [Vec3A::NAN, Vec3A::new(f32::NAN, 0.0, 1.0), Vec3A::new(1.0, f32::NAN, -0.3)] {
+        let ray = Ray { origin: Vec3A::splat(5.0), direction, reach: f32::INFINITY, time: 0.0 };
+        assert!(wide.nearest(&ray, |_| true).is_none() && !wide.blocked(&ray, |_| true));
+        let fan = Fan { origin: Vec3::splat(5.0), directions: &[direction.into(); 3], reach: 10.0 };
+        assert_eq!(wide.all_blocked(fan, |_, _| true), 0);
+    }
+}
