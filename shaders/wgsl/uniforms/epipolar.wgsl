@@ -6,7 +6,7 @@ struct Epipolar {
     height: u32,
     /// Light rays in a slice, a multiple of 64.
     light_rays: u32,
-    /// Lines for which there is room.
+    /// Lines for which there is room at once: those of a part.
     lines: u32,
     /// View rays that cross fewer are marched,
     least: u32,

@@ -80,7 +80,8 @@ impl<'a> SimpleMarch<'a> {
         for step in 0..steps {
             let distance = near + (step as f32 + jitter) * length;
             let point = rays.eye + direction * distance;
-            let [u, v, depth] = self.parallel.locate(point);
+            let [right, up, depth] = self.parallel.locate(point);
+            let [u, v] = self.parallel.cascades[0].texels([right, up]);
             if depth < self.map.depth(u, v) {
                 let way = distance - near + self.haze.way_in(point, self.towards, f32::INFINITY);
                 sum += (-self.haze.extinction.x * way).exp();

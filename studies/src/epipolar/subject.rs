@@ -178,8 +178,9 @@ impl FogView {
         let [height, width] = setup.size;
         let gbuffer = gbuffer::render(&scene, camera, height, width, &[Attribute::Depth, Attribute::Valid]);
         let rays = ViewRays::of(&Frame { scene: &scene, camera, gbuffer: &gbuffer, radius: 1.0, seed: 0 });
-        let map =
-            ShadowMap::new(&scene, &Lamp::new(scene.scene(), &scene.scene().lights[0]), setup.shadow_size);
+        let lamp = Lamp::new(scene.scene(), &scene.scene().lights[0]);
+        // One, as in the paper.
+        let map = ShadowMap::new(&scene, &lamp, &rays, [1, setup.shadow_size]);
         Ok(Self { name, setup, scene, rays, map })
     }
 

@@ -46,9 +46,10 @@ pub trait SliceOfLight {
 pub struct ParallelSlice<'a> {
     geometry: &'a Geometry,
     map: &'a ShadowMap,
+    parallel: &'a Parallel,
     outwards: Vec3,
     spacing: &'a Spacing,
-    /// Texels and depth of the eye, and by how much they grow from one light ray to the next.
+    /// Where the eye is in the light's projection, metres, and by how much that grows with `gamma`.
     at_eye: [f32; 3],
     per_metre: [f32; 3],
     /// By axis, where a light ray at `gamma` goes out of the medium's box and into it: their values at 0 and
@@ -62,7 +63,7 @@ impl<'a> ParallelSlice<'a> {
     pub fn new(
         geometry: &'a Geometry,
         map: &'a ShadowMap,
-        parallel: &Parallel,
+        parallel: &'a Parallel,
         (bounds, ways): (Bounds, Ways),
         outwards: Vec3,
         spacing: &'a Spacing,
@@ -80,6 +81,7 @@ impl<'a> ParallelSlice<'a> {
         Self {
             geometry,
             map,
+            parallel,
             outwards,
             spacing,
             at_eye: parallel.locate(eye),
@@ -95,11 +97,11 @@ impl SliceOfLight for ParallelSlice<'_> {
     #[inline(always)]
     fn trace(&self, count: usize, traced: &mut Traced) {
         traced.resize(count);
-        let [u, v, [depth, deeper]] = [0, 1, 2].map(|i| [self.at_eye[i], self.per_metre[i]]);
+        let [right, up, [depth, deeper]] = [0, 1, 2].map(|i| [self.at_eye[i], self.per_metre[i]]);
         for (ends, gammas) in traced.ends.iter_mut().zip(&self.spacing.samples) {
             let blocks = ends.chunks_mut(TOGETHER).zip(gammas.as_chunks().0);
             for (ends, gammas) in blocks {
-                let depths = self.map.depths_along([u, v], gammas);
+                let depths = self.map.depths_along(self.parallel, [right, up], gammas);
                 for ((end, blocker), gamma) in ends.iter_mut().zip(depths).zip(gammas) {
                     *end = beta(depth + gamma * deeper - blocker, *gamma);
                 }

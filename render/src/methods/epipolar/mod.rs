@@ -64,7 +64,7 @@ pub struct EpipolarParameters {
     /// Terms of the integrand's decomposition.
     #[schemars(skip)]
     pub terms: Terms,
-    /// Texels along an edge of shadow maps.
+    /// Texels along an edge of a shadow map; the nested maps of a sun have as many together.
     #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// View rays that cross fewer light rays are marched,

@@ -32,7 +32,7 @@ pub struct EpipolarSamplingParameters {
     /// Steps of a march.
     #[schemars(range(min = 1, max = 8192))]
     pub steps: u32,
-    /// Texels along an edge of shadow maps.
+    /// Texels along an edge of a shadow map; the nested maps of a sun have as many together.
     #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
 }

@@ -20,12 +20,13 @@
 //! book's page on fog has the figures). Why not: media must be the same throughout; where a lamp projects a
 //! picture, it goes light ray by light ray.
 //!
-//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered. A binding holds the
-//! sums of 832 of them at 1280x720, of 512 at 1920x1080 and of 256 at 3840x2160, so that higher qualities
-//! differ there in what is marched only.
+//! A binding holds the sums of 1024 light rays in 3,276 lines. An image that has more takes its lines part by
+//! part, in the same buffers, and each pixel asks in the part of the two lines that it is between.
+//!
+//! Limits. Light rays are single samples of the frame's shadow maps, not prefiltered.
 
 mod lines;
-pub mod passes;
+mod passes;
 pub mod reference;
 #[cfg(test)]
 mod tests;
@@ -46,10 +47,13 @@ const LEVELS: usize = 5;
 /// Bytes that a binding holds.
 const ROOM: usize = 128 << 20;
 
+/// Bytes of a light ray's sums.
+const OF_RAY: usize = LEVELS * size_of::<[u32; 2]>();
+
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct GpuEpipolarParameters {
-    /// Light rays in a slice; fewer where there would be no room.
+    /// Light rays in a slice.
     #[schemars(range(min = 16, max = 8192))]
     pub light_rays: usize,
     /// View rays that cross fewer light rays are marched,
@@ -72,30 +76,53 @@ impl GpuEpipolarParameters {
         Self { light_rays, least: 16, steps }
     }
 
-    /// Lines for which there is room: as many as the border has pixels, and one on either side.
-    const fn lines([height, width]: [usize; 2]) -> usize {
-        2 * (height + width) + 2
+    /// As many lines as have room in so many bytes, at most all of an image.
+    fn part(self, room: usize, size: [usize; 2]) -> Part {
+        let light_rays = self.light_rays.next_multiple_of(LEAVES);
+        let lines = most_lines(size).min(room / (light_rays * OF_RAY)).max(2);
+        Part { light_rays, lines }
     }
 
-    /// Light rays for which there is room.
-    fn rays(self, size: [usize; 2]) -> usize {
-        let fit = ROOM / (Self::lines(size) * LEVELS * size_of::<[u32; 2]>());
-        self.light_rays.min(fit).next_multiple_of(LEAVES).min(fit / LEAVES * LEAVES).max(LEAVES)
-    }
-
-    /// What the passes read.
-    pub fn settings(self, view: &View) -> uniforms::Epipolar {
-        let size = [view.height, view.width];
+    /// What the passes read, of parts like this one.
+    fn settings(self, part: Part, view: &View) -> uniforms::Epipolar {
         uniforms::Epipolar {
             width: view.width as u32,
             height: view.height as u32,
-            light_rays: self.rays(size) as u32,
-            lines: Self::lines(size) as u32,
+            light_rays: part.light_rays as u32,
+            lines: part.lines as u32,
             least: self.least,
             steps: self.steps,
             seed: view.seed,
         }
     }
+
+    /// See [`Technique::uniforms`].
+    fn uniforms_within(self, room: usize, view: &View) -> Vec<Vec<u8>> {
+        let settings = self.settings(self.part(room, [view.height, view.width]), view);
+        vec![bytes_of(&settings).to_vec(), bytes_of(&view.perspective()).to_vec()]
+    }
+}
+
+/// What is in the buffers at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Part {
+    /// Light rays in a slice.
+    light_rays: usize,
+    /// Lines, the last of which is the first of the next part.
+    lines: usize,
+}
+
+impl Part {
+    /// In how many an image's lines are.
+    fn count(self, size: [usize; 2]) -> usize {
+        (most_lines(size) - 1).div_ceil(self.lines - 1)
+    }
+}
+
+/// Lines that an image may have: as many as its border has pixels, one where rounding makes them more, and
+/// the first again.
+const fn most_lines([height, width]: [usize; 2]) -> usize {
+    2 * (height + width) + 2
 }
 
 impl Technique for GpuEpipolarParameters {
@@ -107,15 +134,15 @@ impl Technique for GpuEpipolarParameters {
     }
 
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
-        let camera = view.perspective();
-        vec![bytes_of(&self.settings(view)).to_vec(), bytes_of(&camera).to_vec()]
+        self.uniforms_within(ROOM, view)
     }
 
     fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
-        passes::steps(*self, to)
+        passes::steps(self.part(ROOM, to.size()), to)
     }
 
     fn reference(&self, inputs: &PlainInputs<'_>, view: &View) -> Result<Written, MissingAttribute> {
-        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, &self.settings(view), view))
+        let settings = self.settings(self.part(ROOM, [view.height, view.width]), view);
+        inputs.image_of_scene(|scene| reference::shade(inputs.gbuffer, scene, &settings, view))
     }
 }

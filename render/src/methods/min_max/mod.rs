@@ -26,7 +26,7 @@ pub struct MinMaxParameters {
     /// Light rays in a slice, each with four samples of its depth.
     #[schemars(range(min = 16, max = 16384))]
     pub light_rays: usize,
-    /// Texels along an edge of shadow maps.
+    /// Texels along an edge of a shadow map; the nested maps of a sun have as many together.
     #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// View rays that cross fewer light rays are marched,

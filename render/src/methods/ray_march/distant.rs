@@ -29,7 +29,8 @@ struct Steps<'a> {
     count: u32,
     jitter: f32,
     map: &'a ShadowMap,
-    /// Texels and depth in the shadow map of the first step, each with by how much it grows from step to
+    parallel: &'a Parallel,
+    /// Where the first step is in the light's projection, metres, each with by how much it grows from step to
     /// step.
     locations: [[f32; 2]; 3],
 }
@@ -45,14 +46,14 @@ struct Block<const C: usize> {
 }
 
 impl<'a> Steps<'a> {
-    fn new(lit: &IntegrationInputs<'a>, parallel: &Parallel, ray: Ray) -> Self {
+    fn new(lit: &IntegrationInputs<'a>, parallel: &'a Parallel, ray: Ray) -> Self {
         let Ray { direction, span: [near, far], count, jitter } = ray;
         let eye = lit.rays.eye;
         let length = (far - near) / count as f32;
         let start = parallel.locate(eye + direction * (near + jitter * length));
         let step = parallel.along(direction * length);
         let locations = std::array::from_fn(|axis| [start[axis], step[axis]]);
-        Self { eye, direction, near, length, count, jitter, map: lit.map, locations }
+        Self { eye, direction, near, length, count, jitter, map: lit.map, parallel, locations }
     }
 
     /// The pieces of the ray, each with the face that counts there.
@@ -70,8 +71,8 @@ impl<'a> Steps<'a> {
     /// 1 for each of the first `count` steps of these numbers that light reaches, 0 for others.
     #[inline(always)]
     fn lit(&self, numbers: &[f32; TOGETHER], count: u32) -> [f32; TOGETHER] {
-        let [u, v, [depth, deeper]] = self.locations;
-        let mut lit = self.map.depths_along([u, v], numbers);
+        let [right, up, [depth, deeper]] = self.locations;
+        let mut lit = self.map.depths_along(self.parallel, [right, up], numbers);
         for (i, (lit, number)) in lit.iter_mut().zip(numbers).enumerate() {
             *lit = if depth + deeper * number < *lit && (i as u32) < count { 1.0 } else { 0.0 };
         }

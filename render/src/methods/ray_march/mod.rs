@@ -31,7 +31,7 @@ pub struct RayMarchParameters {
     /// Steps from each of them to the light, through grids.
     #[schemars(range(min = 1, max = 256))]
     pub light_steps: u32,
-    /// Texels along an edge of shadow maps.
+    /// Texels along an edge of a shadow map; the nested maps of a sun have as many together.
     #[schemars(range(min = 64, max = 8192), extend("unit" = "texels", "multipleOf" = 64))]
     pub shadow_size: usize,
     /// Whether steps are shifted from pixel to pixel.

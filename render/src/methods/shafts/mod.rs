@@ -8,7 +8,7 @@
 //!
 //! Limits of all of them: light of point, spot and directional lights only, not of emissive surfaces and of
 //! the environment; shadows as fine as the texels of the map; blended surfaces hide light from an opacity of
-//! one half on; the camera is a pinhole.
+//! one half on, where truth's hide their share; the camera is a pinhole.
 //!
 //! [`ray_march`]: super::ray_march
 //! [`epipolar`]: super::epipolar
@@ -18,6 +18,7 @@
 mod faces;
 mod haze;
 mod lamp;
+mod parallel;
 mod shadow_map;
 #[cfg(test)]
 mod tests;
@@ -26,7 +27,8 @@ mod view_rays;
 pub use faces::{Faces, mean_decay};
 pub use haze::{DEEP, Haze, UNEVEN};
 pub use lamp::{Lamp, LampPosition};
-pub use shadow_map::{Parallel, Projection, ShadowMap, Stereographic, TOGETHER};
+pub use parallel::{CASCADES, Cascade, Parallel};
+pub use shadow_map::{Projection, ShadowMap, Stereographic, TOGETHER};
 pub use view_rays::ViewRays;
 
 use crate::method::{Clock, Frame, Method, MethodError, Repeats, Shaded};
@@ -57,7 +59,8 @@ pub trait Integration: Send + Sync {
     /// As [`Method::wants_even_fog`].
     const WANTS_EVEN_FOG: bool;
 
-    /// Texels along an edge of shadow maps; a multiple of [`shadow_map::TILE`].
+    /// Texels along an edge of a lamp's shadow map, a multiple of [`shadow_map::TILE`]; the [`CASCADES`] of a
+    /// distant one have as many together.
     fn shadow_size(&self) -> usize;
 
     /// Adds a lamp's radiance to each view ray's.
@@ -92,7 +95,7 @@ impl<I: Integration> Method for Shafts<I> {
             }
             for light in &scene.lights {
                 let lamp = Lamp::new(scene, light);
-                let map = ShadowMap::new(frame.scene, &lamp, self.0.shadow_size());
+                let map = ShadowMap::new(frame.scene, &lamp, &rays, [CASCADES, self.0.shadow_size()]);
                 let lit = IntegrationInputs { rays: &rays, medium, lamp: &lamp, map: &map, seed: frame.seed };
                 milliseconds += self.timed(&lit, repeats, &mut radiance);
             }

@@ -1,11 +1,13 @@
-//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection over the
-//! scene's box, for others in stereographic projection around the light (both hemispheres, or as much of one
-//! as a spot lights).
+//! How far a lamp's light gets, by rays through a scene: for distant lamps in parallel projection by nested
+//! maps of what is seen, for others in stereographic projection around the light (both hemispheres, or as
+//! much of one as a spot lights).
 //!
 //! Texels lie in tiles of 4 x 4, a cache line each, so that a walk in any direction meets a new line every
 //! few steps (as Baran et al. 2010, section 10, have it for their ray marcher).
 
 use super::lamp::{Lamp, LampPosition};
+use super::parallel::{Cascade, Parallel};
+use super::view_rays::ViewRays;
 use crate::bvh::TracedScene;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -16,8 +18,6 @@ pub const FAR: f32 = 1e30;
 pub const TILE: usize = 4;
 /// Points whose depths are read together, in vectors.
 pub const TOGETHER: usize = 64;
-/// Texels without a surface around the scene's box: what is beside the map reads them.
-const MARGIN: f32 = 1.5;
 /// Numbers from here on, 2^23, are whole.
 const ROUND: f32 = 8_388_608.0;
 /// By how much a spot's cone is widened, in parts of its radius in the map.
@@ -34,19 +34,12 @@ pub struct ShadowMap {
 }
 
 /// How world space becomes a map.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Projection {
     /// For distant lamps.
     Parallel(Parallel),
     /// For all others.
     Stereographic(Stereographic),
-}
-
-/// Rows are the gradients of the map's coordinates in texels and of the depth in metres.
-#[derive(Clone, Copy, Debug)]
-pub struct Parallel {
-    origin: Vec3,
-    rows: [Vec3; 3],
 }
 
 /// A stereographic projection from the point opposite to an axis: the direction `d` is at
@@ -65,12 +58,17 @@ pub struct Stereographic {
 }
 
 impl ShadowMap {
-    /// The map of a lamp, of `size` texels a side (a multiple of [`TILE`]).
-    pub fn new(scene: &TracedScene, lamp: &Lamp<'_>, size: usize) -> Self {
-        let projection = match lamp.position {
-            LampPosition::Distant(towards) => Projection::Parallel(Parallel::around(scene, -towards, size)),
+    /// The map of a lamp for view rays, of `size` texels a side (a multiple of [`TILE`]); of a distant lamp
+    /// so many nested ones, which have as many texels together.
+    pub fn new(scene: &TracedScene, lamp: &Lamp<'_>, rays: &ViewRays, [cascades, size]: [usize; 2]) -> Self {
+        let (projection, size) = match lamp.position {
+            LampPosition::Distant(towards) => {
+                let size = (size as f32 / (cascades as f32).sqrt()) as usize;
+                let size = size.next_multiple_of(TILE);
+                (Projection::Parallel(Parallel::new(scene, rays, -towards, [cascades, size])), size)
+            }
             LampPosition::Local(position) => {
-                Projection::Stereographic(Stereographic::new(position, lamp.cone(), size))
+                (Projection::Stereographic(Stereographic::new(position, lamp.cone(), size)), size)
             }
         };
         let tiles = size / TILE;
@@ -93,27 +91,51 @@ impl ShadowMap {
     /// Depth at a point of a map, in texels; what is outside has that of the nearest edge.
     #[inline(always)]
     pub fn depth(&self, map: usize, u: f32, v: f32) -> f32 {
-        self.depths[map * self.size * self.size + self.texel(u, v) as usize]
+        self.depths[self.texel(map, u, v) as usize]
     }
 
-    /// Depths of the first map at points of a line: each coordinate has a value and a slope.
+    /// Depths of parallel light rays at places of a line: each coordinate, metres, has a value and a slope.
+    /// A block that the finest map shows is looked up there; of one that goes beyond a map, each place in the
+    /// finest.
     #[inline(always)]
-    pub fn depths_along(&self, [u, v]: [[f32; 2]; 2], points: &[f32; TOGETHER]) -> [f32; TOGETHER] {
+    pub fn depths_along(
+        &self,
+        parallel: &Parallel,
+        line: [[f32; 2]; 2],
+        points: &[f32; TOGETHER],
+    ) -> [f32; TOGETHER] {
+        let at = |point: f32| line.map(|[from, slope]| from + point * slope);
+        let ends = [points[0], points[TOGETHER - 1]].map(at);
+        let cascades = &parallel.cascades;
+        let holds_all = |cascade: &Cascade| ends.iter().all(|end| cascade.holds(*end));
+        let whole = cascades.iter().position(holds_all).unwrap_or(cascades.len() - 1);
         let mut texels = [0; TOGETHER];
-        for (texel, at) in texels.iter_mut().zip(points) {
-            *texel = self.texel(u[0] + at * u[1], v[0] + at * v[1]);
+        let [u, v] = cascades[whole].line(line);
+        for (texel, point) in texels.iter_mut().zip(points) {
+            *texel = self.texel(whole, u[0] + point * u[1], v[0] + point * v[1]);
+        }
+        for (map, cascade) in cascades[..whole].iter().enumerate().rev() {
+            if !ends.iter().any(|end| cascade.holds(*end)) {
+                continue;
+            }
+            let [u, v] = cascade.line(line);
+            for (texel, point) in texels.iter_mut().zip(points) {
+                let finer = self.texel(map, u[0] + point * u[1], v[0] + point * v[1]);
+                *texel = if cascade.holds(at(*point)) { finer } else { *texel };
+            }
         }
         texels.map(|texel| self.depths[texel as usize])
     }
 
     /// Which texel is at a point of a map.
     #[inline(always)]
-    fn texel(&self, u: f32, v: f32) -> u32 {
+    fn texel(&self, map: usize, u: f32, v: f32) -> u32 {
         let end = self.size as f32 - 0.5;
         // Added to `ROUND`, a number leaves its nearest whole one in the lowest bits: compilers put that into
         // vectors, which they do not with checked conversions.
         let [x, y] = [u, v].map(|at| (at.max(0.5).min(end) - 0.5 + ROUND).to_bits() & 0xffff);
-        let tile = y / TILE as u32 * (self.size / TILE) as u32 + x / TILE as u32;
+        let tiles = (self.size / TILE) as u32;
+        let tile = (map as u32 * tiles + y / TILE as u32) * tiles + x / TILE as u32;
         (tile * TILE as u32 + y % TILE as u32) * TILE as u32 + x % TILE as u32
     }
 
@@ -121,8 +143,10 @@ impl ShadowMap {
     pub fn reaches(&self, point: Vec3) -> bool {
         match &self.projection {
             Projection::Parallel(parallel) => {
-                let [u, v, depth] = parallel.locate(point);
-                depth < self.depth(0, u, v)
+                let [right, up, depth] = parallel.locate(point);
+                let map = parallel.finest([right, up]);
+                let [u, v] = parallel.cascades[map].texels([right, up]);
+                depth < self.depth(map, u, v)
             }
             Projection::Stereographic(around) => {
                 let offset = point - around.position;
@@ -141,9 +165,9 @@ impl ShadowMap {
 
 impl Projection {
     /// How many maps it takes.
-    const fn maps(&self) -> usize {
+    fn maps(&self) -> usize {
         match self {
-            Self::Parallel(_) => 1,
+            Self::Parallel(parallel) => parallel.cascades.len(),
             Self::Stereographic(around) => 1 + around.both as usize,
         }
     }
@@ -153,9 +177,9 @@ impl Projection {
         let middle = |i: usize| texel(i).map(|at| at as f32 + 0.5);
         match self {
             Self::Parallel(parallel) => {
-                let forward = parallel.rows[2];
                 for (i, depth) in tile.iter_mut().enumerate() {
-                    let hit = scene.hit(parallel.start(middle(i)), forward, f32::INFINITY);
+                    let [start, forward] = parallel.light_ray(map, middle(i));
+                    let hit = scene.hit(start, forward, f32::INFINITY);
                     *depth = hit.map_or(FAR, |hit| hit.distance);
                 }
             }
@@ -168,46 +192,6 @@ impl Projection {
                 }
             }
         }
-    }
-}
-
-impl Parallel {
-    /// Over the box around a scene, for light that travels `forward`.
-    fn around(scene: &TracedScene, forward: Vec3, size: usize) -> Self {
-        let (right, up) = forward.any_orthonormal_pair();
-        let corners = scene.bounds().corners();
-        let extent = |axis: Vec3| {
-            let along = corners.map(|corner| corner.dot(axis));
-            let low = along.into_iter().fold(f32::INFINITY, f32::min);
-            (low, along.into_iter().fold(f32::NEG_INFINITY, f32::max) - low)
-        };
-        let texels = size as f32 - 2.0 * MARGIN;
-        let least = f32::EPSILON * scene.diagonal();
-        let fitted = |axis: Vec3| {
-            let (low, length) = extent(axis);
-            let scale = texels / length.max(least);
-            (axis * scale, axis * (low - MARGIN / scale))
-        };
-        let ((u, left), (v, bottom)) = (fitted(right), fitted(up));
-        // Rays start before the box.
-        let before = forward * (extent(forward).0 - 1e-3 * scene.diagonal());
-        Self { origin: left + bottom + before, rows: [u, v, forward] }
-    }
-
-    /// Texel coordinates and depth of a point.
-    pub fn locate(&self, point: Vec3) -> [f32; 3] {
-        self.along(point - self.origin)
-    }
-
-    /// By how much they change along a vector.
-    pub fn along(&self, vector: Vec3) -> [f32; 3] {
-        self.rows.map(|row| row.dot(vector))
-    }
-
-    /// Where light starts that ends at a point of the map.
-    fn start(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let [right, up, _] = self.rows;
-        self.origin + right * (u / right.length_squared()) + up * (v / up.length_squared())
     }
 }
 

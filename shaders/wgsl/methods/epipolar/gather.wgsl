@@ -3,6 +3,7 @@
 // function within a node.
 
 #import shared/epipolar_lines
+#import shared/epipolar_part
 #import shared/epipolar_rays
 #import shared/epipolar_view
 #import shared/lamp_axis
@@ -194,15 +195,19 @@ fn gather(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let axis = lamp_axis();
+    let line = line_through(vec2f(id.xy) + 0.5, axis);
+    let before = min(floor(line), bitcast<f32>(lines[border()]) - 1.0);
+    // Of each pixel one part has the lines.
+    let in_part = epipolar.lines - 1u;
+    if u32(before) / in_part != part.number {
+        return;
+    }
     let ray = seen_ray(id.xy);
     let bounds = gamma_bounds();
     let numbers = crossed(ray, bounds);
     var sum = vec3f(0.0);
     if ray.leaves > ray.enters && !crosses_few(numbers) {
-        let line = line_through(vec2f(id.xy) + 0.5, axis);
-        let count = bitcast<f32>(lines[border()]);
-        let before = min(floor(line), count - 1.0);
-        let first = u32(before) * epipolar.light_rays;
+        let first = (u32(before) - first_line()) * epipolar.light_rays;
         let lines_beside = vec2u(first, first + epipolar.light_rays);
         let query = Query(ray, axis, bounds, beta_of(ray.in_plane), lines_beside, clamp(line - before, 0.0, 1.0));
         sum = medium.scattering.rgb * sum_between(numbers, query);

@@ -11,9 +11,9 @@
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 @group(0) @binding(1) var<uniform> view: FrameView;
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
-// [border + 6]: numbers of lines, of which the last is how many there are; the bounds of `gamma`, which begin
-// empty; how many workgroups of 64 light rays a line has, how many lines there are with the first and the
-// last, and 1.
+// [border + 3 + 3 parts]: numbers of lines, of which the last is how many there are; the bounds of `gamma`,
+// which begin empty; for each part of the lines how many workgroups of 64 light rays a line has, how many
+// lines there are with the first and the last, and 1.
 @group(0) @binding(3) var<storage, read_write> lines: array<u32>;
 
 const THREADS = 256u;
@@ -55,12 +55,18 @@ fn count_lines(@builtin(local_invocation_index) thread: u32) {
         lines[place] = bitcast<u32>(before * scale);
         before += step_across(place, axis);
     }
+    let with_last = u32(max(ceil(all), 1.0)) + 1u;
+    let in_part = epipolar.lines - 1u;
+    for (var begin = thread * in_part; begin <= places; begin += THREADS * in_part) {
+        let counts = places + 3u + 3u * (begin / in_part);
+        lines[counts] = epipolar.light_rays / LEAVES;
+        // A part that begins with the last line, or behind it, is of no pixel.
+        lines[counts + 1u] = select(0u, min(with_last - begin, epipolar.lines), begin + 1u < with_last);
+        lines[counts + 2u] = 1u;
+    }
     if thread == 0u {
         lines[places] = bitcast<u32>(max(ceil(all), 1.0));
         lines[places + 1u] = 0x7f7fffffu;
         lines[places + 2u] = 0u;
-        lines[places + 3u] = epipolar.light_rays / LEAVES;
-        lines[places + 4u] = u32(max(ceil(all), 1.0)) + 1u;
-        lines[places + 5u] = 1u;
     }
 }

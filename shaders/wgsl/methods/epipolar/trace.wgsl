@@ -2,6 +2,7 @@
 // `beta`. Light rays that nothing stops end at 2.
 
 #import shared/epipolar_lines
+#import shared/epipolar_part
 #import shared/epipolar_rays
 #import shared/lamp_axis
 #import shared/shadow
@@ -15,7 +16,7 @@
 @group(0) @binding(2) var<storage, read> lights: array<LightRecord>;
 @group(0) @binding(3) var<storage, read> map_views: array<FrameView>;
 @group(0) @binding(4) var<storage, read> lines: array<u32>;
-// [lines, light rays]
+// [lines of the part, light rays]
 @group(0) @binding(5) var<storage, read_write> ends: array<f32>;
 @group(0) @binding(6) var maps: texture_depth_2d_array;
 // Not asked: of light rays depths themselves are wanted.
@@ -69,7 +70,7 @@ fn blocker(light: LightRecord, point: vec3f) -> vec2f {
 @compute @workgroup_size(64)
 fn trace(@builtin(global_invocation_id) id: vec3u) {
     let number = id.x;
-    let line = id.y;
+    let line = first_line() + id.y;
     if number >= epipolar.light_rays {
         return;
     }
@@ -93,5 +94,5 @@ fn trace(@builtin(global_invocation_id) id: vec3u) {
             end = beta_of(vec2f(axis.reach - distance * cos(gamma), distance * sin(gamma)));
         }
     }
-    ends[line * epipolar.light_rays + number] = end;
+    ends[id.y * epipolar.light_rays + number] = end;
 }

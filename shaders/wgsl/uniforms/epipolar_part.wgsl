@@ -1,0 +1,5 @@
+/// Which of the lines' parts, one after the other, a pass of `methods/epipolar` is of.
+struct EpipolarPart {
+    /// Its number.
+    number: u32,
+}
