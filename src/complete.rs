@@ -72,6 +72,11 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         added.extend(environment.warning().map(str::to_owned));
         look.environment = Some(Arc::new(environment));
     }
+    // Of all light, phosphor is a part that may be missing.
+    let glows = effect.is_lit_by_lamps_alone() && effect.listens_to(EffectSetting::Phosphor);
+    let glow = (glows || additions.phosphor.is_some()).then(|| additions.glow(scene.scene(), wants.time));
+    let (glow, is_said) = glow.transpose()?.unzip();
+    look.glow = glow.map(Arc::new).or(look.glow);
     add_light(scene, &camera, wants, &mut look, &mut added);
     let opaque = look.materials.iter().all(|material| material.mean_free_path == Vec3::ZERO);
     if let Some(metres) = additions.mean_free_path {
@@ -97,18 +102,9 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
     {
         added.push("no ray of the picture meets the medium: it lies elsewhere".to_owned());
     }
-    // Of all light, phosphor is a part that may be missing.
-    let glows = effect.is_lit_by_lamps_alone() && effect.listens_to(EffectSetting::Phosphor);
-    if glows || additions.phosphor.is_some() {
-        let lit = scene.with_look(look.clone())?;
-        let (glow, said) = additions.glow(lit.scene(), wants.time)?;
-        look.glow = Some(Arc::new(glow));
-        if !said {
-            added.push(
-                "nothing is said of what glows: all does, blue, after a second of light that ends at second 0"
-                    .to_owned(),
-            );
-        }
+    if is_said == Some(false) {
+        let usual = "all does, blue, after a second of light that ends at second 0";
+        added.push(format!("nothing is said of what glows: {usual}"));
     }
     let still = scene.scene().meshes.iter().all(|mesh| mesh.displacements.is_empty());
     if effect.needs("motion") && still && !wants.animated {
@@ -120,6 +116,7 @@ pub fn complete(scene: &TracedScene, camera: &Camera, wants: &Wants<'_>) -> Resu
         ensure!(additions.focus.is_none(), "--focus means nothing to {effect} without --aperture");
     }
     let scene = scene.with_look(look)?;
+    additions.check_glow(effect, scene.scene(), wants.time)?;
     added.extend(unseen::light(effect, scene.scene()));
     Ok(Completed { scene, camera, added })
 }
@@ -137,8 +134,9 @@ fn add_light(
     if by_sky {
         sky::add(look, wants, added);
     }
+    let is_kept = look.glow.as_ref().is_some_and(|glow| glow.schedule_of_sky().is_some());
     let dark = if wants.effect.is_lit_by_lamps_alone() {
-        look.lights.is_empty()
+        look.lights.is_empty() && !(is_kept && look.environment.is_some())
     } else {
         look.environment.is_none() && scene.scene().is_dark()
     };

@@ -116,7 +116,8 @@ pub struct Args {
     #[arg(long)]
     exr: Option<PathBuf>,
     /// Key frames of glow to begin with: of a file (.toml) as `deepshade phosphor design` reads, its first
-    /// place, states and length. Lamps are the scene's.
+    /// place, states, length, spectrum, and whether colours include what is reflected (towards where the
+    /// camera is). When lamps shine is as the scene or --phosphor says.
     #[arg(long)]
     key_frames: Option<PathBuf>,
     /// Writes an image of the window here as PNG, once truth has --spp samples and figures are there, and

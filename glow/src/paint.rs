@@ -26,6 +26,27 @@ pub struct PaintState {
     pub emission: Vec3,
 }
 
+/// What a place has of a paint's numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaintFactors {
+    /// Of the excitation rate by each colour.
+    pub excitation: Vec3,
+    /// Of the re-radiation rate.
+    pub decay: f32,
+    /// Of what is given back at that rate.
+    pub emission: Vec3,
+}
+
+impl PaintFactors {
+    /// All of them.
+    pub const ONE: Self = Self { excitation: Vec3::ONE, decay: 1.0, emission: Vec3::ONE };
+
+    /// Of radiance, which is faster where the re-radiation rate is.
+    pub fn of_radiance(&self) -> Vec3 {
+        self.emission * self.decay
+    }
+}
+
 /// A material of at most [`MOST_STATES`] states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Paint {
@@ -80,6 +101,17 @@ impl Paint {
             format!("{name}: a decay, an excitation or an emission is larger than numbers of 32 bits are")
         })?;
         Ok(Self { name: name.clone(), states })
+    }
+
+    /// What it is where it has these parts of its numbers.
+    #[must_use]
+    pub fn scaled(&self, factors: &PaintFactors) -> Self {
+        let scaled = |state: &PaintState| PaintState {
+            decay: state.decay * factors.decay,
+            excitation: state.excitation * factors.excitation,
+            emission: state.emission * factors.of_radiance(),
+        };
+        Self { name: self.name.clone(), states: self.states.iter().map(scaled).collect() }
     }
 
     /// A material in RGB that does the same in images.
@@ -197,6 +229,26 @@ mod tests {
         let dark = PaintState { decay: 0.0, excitation: Vec3::ONE, emission: Vec3::ONE };
         let paint = Paint { name: "dark".to_owned(), states: vec![dark] };
         assert_eq!(paint.material().states[0].emission, [0.0; 3]);
+    }
+
+    #[test]
+    fn a_part_of_a_paint_is_that_part_of_its_material() {
+        let own = State { decay: 0.2, excitation: vec![0.1, 0.2, 0.3], emission: vec![4.0, 2.0, 1.0] };
+        let half = State { decay: 0.1, excitation: vec![0.1, 0.1, 0.0], emission: vec![4.0, 1.0, 0.5] };
+        let paint = |state: &State| {
+            let material =
+                Material { name: "own".into(), bands: Bands::Rgb, doubt: None, states: vec![state.clone()] };
+            Paint::new(&material, None).expect("a paint")
+        };
+        let factors = PaintFactors {
+            excitation: Vec3::new(1.0, 0.5, 0.0),
+            decay: 0.5,
+            emission: Vec3::new(1.0, 0.5, 0.5),
+        };
+        let (found, expected) = (paint(&own).scaled(&factors).states[0], paint(&half).states[0]);
+        assert_eq!((found.decay, found.excitation), (expected.decay, expected.excitation));
+        assert!((found.emission - expected.emission).abs().max_element() < 1e-7);
+        assert_eq!(paint(&own).scaled(&PaintFactors::ONE), paint(&own));
     }
 
     #[test]

@@ -31,6 +31,9 @@ pub struct CurvePoint {
 pub struct KeyFrame {
     /// The frame, below [`FRAMES`].
     pub frame: usize,
+    /// The moment that it was set at, seconds of the scene: on a curve of another length it has the frame next
+    /// to it.
+    pub seconds: f64,
     /// Luminance of radiance, W/m²/sr.
     pub brightness: f64,
     /// Linear RGB of luminance 1.
@@ -67,19 +70,17 @@ impl Wish {
         wish
     }
 
-    /// The same under another light. Keys keep their moments as far as there are frames.
+    /// The same under another light. Keys keep their moments as far as there are frames; of those at the same
+    /// frame the later has the next one that is free.
     pub fn relight(&mut self, light: FrameLight, before: Vec<[f64; 3]>) {
-        let keys = std::mem::take(&mut self.keys);
-        let selected = self.selected.take();
-        for key in keys {
-            let frame = light.frame(self.light.seconds(key.frame));
-            if selected == Some(key.frame) {
-                self.selected = Some(frame);
-            }
-            if self.keys.last().is_none_or(|last| last.frame != frame) {
-                self.keys.push(KeyFrame { frame, ..key });
-            }
+        let selected = self.keys.iter().position(|key| Some(key.frame) == self.selected);
+        let (mut free, count) = (0, self.keys.len());
+        for (index, key) in self.keys.iter_mut().enumerate() {
+            // Room is left for those after it.
+            key.frame = light.frame(key.seconds).clamp(free, FRAMES - count + index);
+            free = key.frame + 1;
         }
+        self.selected = selected.map(|index| self.keys[index].frame);
         (self.light, self.before, self.is_held) = (light, before, false);
     }
 
@@ -149,7 +150,8 @@ impl Wish {
         let frame = self.light.frame(at.seconds);
         let Err(index) = self.place_of(frame) else { return false };
         let hue = colour.and_then(hue).unwrap_or_else(|| self.hue_at(frame));
-        self.keys.insert(index, KeyFrame { frame, brightness: at.brightness.max(0.0), hue });
+        self.keys
+            .insert(index, KeyFrame { frame, seconds: at.seconds, brightness: at.brightness.max(0.0), hue });
         self.selected = Some(frame);
         true
     }
@@ -167,15 +169,18 @@ impl Wish {
         let held = self.selected.filter(|_| self.is_held);
         let Some(index) = held.and_then(|frame| self.place_of(frame).ok()) else { return false };
         let frame = self.light.frame(to.seconds);
-        let frame = if self.place_of(frame).is_ok() { self.keys[index].frame } else { frame };
-        let brightness = to.brightness.clamp(0.0, self.top);
-        let key = KeyFrame { frame, brightness, hue: self.keys[index].hue };
-        if self.keys[index] == key {
+        let held = self.keys[index].clone();
+        let moved = match self.place_of(frame) {
+            Ok(_) => held.clone(),
+            Err(_) => KeyFrame { frame, seconds: to.seconds, ..held.clone() },
+        };
+        let key = KeyFrame { brightness: to.brightness.clamp(0.0, self.top), ..moved };
+        if held == key {
             return false;
         }
+        self.selected = Some(key.frame);
         self.keys[index] = key;
         self.keys.sort_by_key(|key| key.frame);
-        self.selected = Some(frame);
         true
     }
 

@@ -51,7 +51,8 @@ pub struct Additions {
     pub mean_free_path: Option<Vec3>,
     /// What glows: a file (.toml) that says which materials keep light, and when lamps shine; the book's
     /// chapter on phosphorescent materials has one. By default all surfaces do, as the preset blue, after a
-    /// second of light that ends at second 0. --time is the moment that is seen.
+    /// second of light that ends at second 0. --time is the moment that is seen. For daylight: `[[lamps]]
+    /// sky = true`, `on = [[0.0, 60.0]]`, and --environment.
     #[arg(long)]
     pub phosphor: Option<PathBuf>,
 }
@@ -148,17 +149,32 @@ impl Additions {
         )
     }
 
-    /// What glows, at a time, seconds; whether that is said.
+    /// What of a scene glows, at a time, seconds; whether that is said.
     ///
     /// # Errors
-    /// If the file cannot be read, or names what the scene lacks.
+    /// If the file cannot be read.
     pub fn glow(&self, scene: &Scene, time: f32) -> Result<(Glow, bool)> {
         let Some(path) = &self.phosphor else {
             return Ok((Glow { moment: time, ..Glow::of(scene).clone() }, scene.glow.is_some()));
         };
-        let glow = Glow::read(path, time)?;
+        Ok((Glow::read(path, time)?, true))
+    }
+
+    /// Whether a scene has what its glow names, and an effect shows it as that says at a time, seconds.
+    ///
+    /// # Errors
+    /// If not.
+    pub fn check_glow(&self, effect: Effect, scene: &Scene, time: f32) -> Result<()> {
+        let (Some(path), Some(glow)) = (&self.phosphor, scene.glow.as_deref()) else { return Ok(()) };
         glow.check(scene).map_err(anyhow::Error::msg).with_context(|| path.display().to_string())?;
-        Ok((glow, true))
+        // Its methods see the environment at every moment.
+        ensure!(
+            effect.is_lit_by_lamps_alone() || glow.sky_shines_on(time),
+            "{}: {effect} always shows the sky, which is off at second {time} or later; its last time \
+             must begin before that and end with inf",
+            path.display()
+        );
+        Ok(())
     }
 
     fn albedo(&self) -> Vec3 {

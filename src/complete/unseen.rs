@@ -2,12 +2,14 @@
 
 use deepshade_render::scene::Scene;
 use deepshade_shaders::Effect;
-use deepshade_shaders::effect::LitBy;
+use deepshade_shaders::effect::{EffectSetting, LitBy};
 
 /// What of a scene's light is left out, in a sentence; `None` where nothing is.
 pub fn light(effect: Effect, scene: &Scene) -> Option<String> {
     let emits = scene.emits().then_some("emissive surfaces");
-    let sky = scene.environment.is_some().then_some("the environment");
+    let is_kept = effect.listens_to(EffectSetting::Phosphor)
+        && scene.glow.as_deref().is_some_and(|glow| glow.schedule_of_sky().is_some());
+    let sky = (scene.environment.is_some() && !is_kept).then_some("the environment");
     let lamps = (!scene.lights.is_empty()).then_some("lamps");
     match effect.definition().lit_by {
         LitBy::Environment => listed([lamps, emits])

@@ -124,6 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
     let surface = |(material, paint): &(String, Material)| WrittenSurface {
         material: Some(material.clone()),
         paint: paint.name.clone(),
+        ..WrittenSurface::default()
     };
     let glow = GlowFile {
         materials: Some("materials.toml".into()),

@@ -75,7 +75,7 @@ mod tests {
     use deepshade_glow::paint::{Paint, PaintState};
     use deepshade_render::bvh::TracedScene;
     use deepshade_render::path::phosphor::Afterglow;
-    use deepshade_render::scene::glow::{Schedule, Start};
+    use deepshade_render::scene::glow::{GlowSurface, Schedule, Start};
     use deepshade_render::scene::{AnimatedScene, Glow, Light, SceneSource};
     use glam::Vec3;
 
@@ -134,8 +134,9 @@ mod tests {
         let decay = 0.1;
         let state = PaintState { decay, excitation: 0.4 * Vec3::X, emission: Vec3::splat(decay) };
         let paint = Paint { name: "test".to_owned(), states: vec![state] };
-        let schedule = Schedule { lights: Vec::new(), on: vec![[0.0, 9.0]] };
-        let (surfaces, schedules, start) = (vec![(None, paint)], vec![schedule], Start::Share(0.0));
+        let schedule = Schedule { on: vec![[0.0, 9.0]], ..Schedule::default() };
+        let (surfaces, schedules, start) =
+            (vec![GlowSurface::new(None, paint)], vec![schedule], Start::Share(0.0));
         animated.scene.glow = Some(Glow { surfaces, medium: None, schedules, start, moment: 4.0 }.into());
         let pose = |time: f32| TracedScene::new(animated.at(time, 0.0).expect("a pose")).expect("particles");
         let times: Vec<f32> = (0..80).map(|step| 0.05 * step as f32).collect();

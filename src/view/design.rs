@@ -13,11 +13,13 @@ pub mod written;
 use super::window::Window;
 use crate::phosphor::design::task::Task;
 use deepshade_glow::material::Material;
+use deepshade_glow::spectrum::lights::Light as Spectrum;
 use deepshade_phosphor::design::MAX_STATES;
-use deepshade_phosphor::wish::{Answer, CurvePoint, FRAMES, FrameLight, Wish, WishError, brightness};
-use deepshade_render::scene::Glow;
+use deepshade_phosphor::wish::{Answer, CurvePoint, FrameLight, Wish, WishError, brightness};
 use deepshade_render::scene::glow::Start;
+use deepshade_render::scene::{AnimatedScene, Glow};
 use eframe::egui::{Button, CollapsingHeader, DragValue, RichText, TextEdit, Ui};
+use glam::Vec3;
 use place::{Asked, Place, Target};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -47,6 +49,12 @@ pub struct GlowDesign {
     pub folder: String,
     /// What glowed before this place was chosen, where that was designed, too.
     pub glow_before: Option<Arc<Glow>>,
+    /// The spectrum of all lamps that a file's materials are for.
+    pub spectrum: Option<Spectrum>,
+    /// Whether what the place reflects is part of what a file wants.
+    pub reflected: bool,
+    /// Where the place is at a moment, seconds: what moves takes it along.
+    pub seen: Option<(f32, Vec3)>,
     /// Keys that a file has: seconds from the beginning of time on, and radiance.
     keys: Vec<(f64, [f64; 3])>,
     /// What was asked of the thread last.
@@ -65,6 +73,9 @@ impl Default for GlowDesign {
             seconds: None,
             folder: String::new(),
             glow_before: None,
+            spectrum: None,
+            reflected: false,
+            seen: None,
             keys: Vec::new(),
             asked: None,
         }
@@ -82,6 +93,8 @@ impl GlowDesign {
             target: place.map(|place| Target::Point(place.at)),
             states: task.states,
             seconds: Some(task.seconds(task.frames)),
+            spectrum: task.spectrum,
+            reflected: task.reflected,
             keys: keys.map(|key| (f64::from(key.time), radiance(key))).collect(),
             ..Self::default()
         }
@@ -105,7 +118,7 @@ impl GlowDesign {
     /// light. Keys stay where it is the same place. Whether it is.
     pub fn take(&mut self, place: Place, light: FrameLight, material: Option<&Material>) -> bool {
         let before = material.and_then(|material| light.glow(material).ok());
-        let before = before.unwrap_or_else(|| vec![[0.0; 3]; FRAMES]);
+        let before = before.unwrap_or_else(|| light.reflected());
         let is_same = self.place.as_ref().is_some_and(|known| known.spot == place.spot);
         match self.wish.as_mut().filter(|_| is_same) {
             Some(wish) => wish.relight(light, before),
@@ -119,8 +132,19 @@ impl GlowDesign {
                 self.wish = Some(wish);
             }
         }
-        self.place = Some(place);
+        (self.place, self.seen) = (Some(place), None);
         is_same
+    }
+
+    /// Where the place is at a moment, seconds, metres.
+    pub fn seen_at(&mut self, scene: &AnimatedScene, moment: f32) -> Option<Vec3> {
+        let spot = &self.place.as_ref()?.spot;
+        if let Some((_, at)) = self.seen.filter(|(known, _)| *known == moment) {
+            return Some(at);
+        }
+        let at = spot.between(scene.corners(spot.mesh, spot.triangle, moment)?);
+        self.seen = Some((moment, at));
+        Some(at)
     }
 
     /// Whether a place is still looked for.
@@ -181,6 +205,13 @@ fn place_in_words(ui: &mut Ui, design: &GlowDesign) {
     ui.label(text).on_hover_text(
         "where key frames are of; a click on an image (Ctrl and a click) chooses another place",
     );
+    let lamps = design.spectrum.map(|lamp| format!("under {} lamps", lamp.name()));
+    let reflected = design.reflected.then(|| "with what it reflects".to_owned());
+    let more: Vec<String> = lamps.into_iter().chain(reflected).collect();
+    if !more.is_empty() {
+        ui.label(RichText::new(more.join(", ")).weak())
+            .on_hover_text("as the file with the key frames has it");
+    }
 }
 
 /// Numbers beside the curve. Whether another material is to be found.

@@ -133,7 +133,7 @@ impl StagedScene<'_> {
         moment: &TimelineMoment,
     ) -> Result<TracedScene, DatasetError> {
         let base = self.base();
-        let schedules = vec![Schedule { lights: Vec::new(), on: timeline.on.clone() }];
+        let schedules = vec![Schedule { on: timeline.on.clone(), ..Schedule::default() }];
         let glow = Glow { schedules, moment: moment.time, ..Glow::of(base.scene()).clone() };
         let look = Look { glow: Some(Arc::new(glow)), ..look::look(base, vary, variation, self.props)? };
         let now = base.with_look(look)?;

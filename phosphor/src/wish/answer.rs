@@ -57,11 +57,11 @@ impl Wish {
             bands: Bands::Rgb,
             dt: self.light.dt(),
             irradiance,
-            reflected: Vec::new(),
+            reflected: self.light.reflected().into_iter().map(Vec::from).collect(),
             keys: keys.collect(),
         };
         let design = Design::new(name, &[place], states)?;
-        let reached = self.light.glow(&design.material)?;
+        let reached = self.light.designed(&design.material)?;
         let off = (design.residual / wanted).sqrt();
         Ok(Answer { design, reached, off })
     }

@@ -4,6 +4,7 @@ use super::*;
 use deepshade_glow::material::{Material, State};
 use deepshade_glow::paint::LightInterval;
 use deepshade_glow::spectrum::Bands;
+use deepshade_glow::spectrum::lights::Light;
 use glam::Vec3;
 
 const GREEN: [f64; 3] = [0.2, 1.0, 0.4];
@@ -123,7 +124,45 @@ fn keys_keep_their_moments_under_another_light() {
     assert!(!wish.add(at(9.0, 2.0), None), "that frame has one");
     let longer = FrameLight::new(-1.0, 200.0, &[]);
     wish.relight(longer, vec![[0.0; 3]; FRAMES]);
-    assert_eq!((frames(&wish), wish.selected().map(|key| key.frame)), (vec![3, 10], Some(10)));
+    assert_eq!(
+        (frames(&wish), wish.selected().map(|key| key.frame)),
+        (vec![3, 4, 10], Some(10)),
+        "all apart"
+    );
+    // So short that all are at its end, and as it was.
+    wish.relight(FrameLight::new(-1.0, 2.0, &[]), vec![[0.0; 3]; FRAMES]);
+    assert_eq!(frames(&wish), [197, 198, 199]);
+    wish.relight(light(4.0), vec![[0.0; 3]; FRAMES]);
+    assert_eq!(frames(&wish), [30, 31, 100]);
+}
+
+#[test]
+fn lamps_of_a_spectrum_and_what_is_reflected_count() {
+    // White lamps of mercury light: mostly blue.
+    let lit = [LightInterval { seconds: 5.0, irradiance: Vec3::ONE }];
+    let plain = FrameLight::new(0.0, 20.0, &lit);
+    let mercury = plain.clone().under(Some(Light::Mercury));
+    let of_lamp = Light::Mercury.of_luminance_one(Bands::Rgb);
+    let off = mercury.in_bands(Bands::Rgb)[7].iter().zip(&of_lamp).map(|(a, b)| (a - b).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-6 && of_lamp[2] > of_lamp[0], "{of_lamp:?}");
+    assert_eq!(
+        mercury.glow(&material(0.2)).expect("measured"),
+        plain.glow(&material(0.2)).expect("measured")
+    );
+    let mut wish = Wish::new(plain.clone(), vec![[0.0; 3]; FRAMES]);
+    // What shines at the beginning of a frame is reflected in it.
+    let reflecting =
+        plain.reflecting(20.0, &[LightInterval { seconds: 4.95, irradiance: Vec3::splat(0.25) }]);
+    assert_eq!([49, 50].map(|frame| reflecting.reflected()[frame][1]), [0.25, 0.0]);
+    for (seconds, brightness) in [(2.0, 0.5), (8.0, 0.2)] {
+        wish.add(at(seconds, brightness), Some([1.0; 3]));
+    }
+    let glow = |wish: &Wish| wish.answer("wall", 2).expect("found").reached;
+    let own = glow(&wish);
+    wish.relight(reflecting, vec![[0.0; 3]; FRAMES]);
+    let (all, reflected) = (glow(&wish), wish.light().reflected()[20]);
+    assert!((brightness(own[20]) - 0.5).abs() < 0.05 && (brightness(all[20]) - 0.5).abs() < 0.05);
+    assert!((brightness(reflected) - 0.25).abs() < 1e-6, "half of what is seen is no glow");
 }
 
 #[test]

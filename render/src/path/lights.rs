@@ -57,7 +57,7 @@ pub struct LightSample {
 impl<'a> Lights<'a> {
     /// The lights of a scene.
     pub fn new(scene: &'a TracedScene) -> Self {
-        let environment = scene.scene().environment.as_deref();
+        let environment = scene.scene().shining_environment();
         let environment_importance =
             environment.map_or(0.0, |environment| PI * brightness(environment.mean()));
         let glow = scene.scene().glow.as_deref();

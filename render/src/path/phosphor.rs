@@ -1,8 +1,9 @@
 //! Truth for phosphorescence, the effect `phosphor`: the radiance of what the surface that is seen gives back
 //! of light that it kept (thesis, equation 8.3).
 //!
-//! What excites it is direct light of lamps without an extent, on either side of the surface: what keeps
-//! light is a layer without sides. Shadows are those of rays; lamps are switched at their exact moments, and
+//! What excites it is direct light of lamps without an extent, and of the environment where a schedule of
+//! [`Glow`](crate::scene::Glow) says so, on either side of the surface: what keeps light is a layer without
+//! sides. Shadows are those of rays; lamps are switched at their exact moments, and
 //! between them each state moves by its closed form ([`Scheme::Exact`](deepshade_glow::rate::Scheme)), for
 //! which steps of any fineness are the same. What moves was where its poses of the past have it
 //! ([`TracedScene::past`](crate::bvh::TracedScene::past)), each for the stretch of time that it stands for;
@@ -14,6 +15,7 @@
 mod afterglow;
 pub mod in_medium;
 mod indirect;
+mod sky;
 
 pub use afterglow::{Afterglow, ReceivingPoint};
 pub use indirect::KeptLight;
@@ -35,27 +37,27 @@ impl<'a> Phosphor<'a> {
         Self { shot: *shot, afterglow: Afterglow::new(shot.scene) }
     }
 
-    fn seen(&self, at: Vec2) -> Vec3 {
+    fn seen(&self, at: Vec2, afterglow: &Afterglow<'_>) -> Vec3 {
         let Shot { scene, camera, height, width, .. } = self.shot;
         let (origin, direction) = (camera.position, camera.direction(at, height, width));
         let hit = scene.hit(origin, direction, f32::INFINITY);
         let reach = hit.map_or(f32::INFINITY, |hit| hit.distance);
-        let surface = hit.map_or(Vec3::ZERO, |hit| self.afterglow.emission(&hit));
-        self.afterglow.through_medium((origin, direction, reach), surface)
+        let surface = hit.map_or(Vec3::ZERO, |hit| afterglow.emission(&hit));
+        afterglow.through_medium((origin, direction, reach), surface)
     }
 }
 
 impl Integrator for Phosphor<'_> {
-    fn sample(&self, at: Vec2, _: &mut Stream) -> Vec3 {
-        self.seen(at)
+    fn sample(&self, at: Vec2, stream: &mut Stream) -> Vec3 {
+        self.seen(at, &self.afterglow.sampled(stream))
     }
 
-    /// A pixel's middle shows the same to all samples.
+    /// A pixel's middle shows the same to all samples, unless they look for the environment.
     fn pixel(&self, shot: &Shot<'_>, x: usize, y: usize, sampler: PixelSampler, count: u32) -> Vec3 {
-        if shot.footprint == Footprint::Box {
+        if shot.footprint == Footprint::Box || self.afterglow.varies() {
             return super::mean_of_samples(self, shot, x, y, sampler, count);
         }
-        self.seen(Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+        self.seen(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), &self.afterglow)
     }
 }
 
@@ -133,7 +135,7 @@ mod tests {
             [(-1., 1.), (1., 1.), (1., -1.), (-1., -1.)].map(|(x, z)| Vec3::new(half * x, y, half * z))
         };
         let mut kept = glow(&[0.3], &[[0.0, 1.0]], moment);
-        (kept.start, kept.surfaces[0].0) = (Start::Share(start), Some("sender".to_owned()));
+        (kept.start, kept.surfaces[0].material) = (Start::Share(start), Some("sender".to_owned()));
         let sender = Mesh { material: MaterialId(1), ..quad(corners(1.0, 0.7)) };
         let matte = |name, grey| Material { gloss: Gloss::None, ..Material::matte(name, Vec3::splat(grey)) };
         let scene = TracedScene::new(Scene {
@@ -199,7 +201,7 @@ mod tests {
     #[test]
     fn a_medium_shines_as_much_as_it_hides() {
         let mut kept = glow(&[0.3], &[[0.0, 1.5]], 4.0);
-        kept.medium = kept.surfaces.pop().map(|(_, paint)| paint);
+        kept.medium = kept.surfaces.pop().map(|surface| surface.paint);
         let density =
             Density::Within(Bounds { min: Vec3::new(-1.0, -1.0, 0.2), max: Vec3::new(1.0, 1.0, 0.7) });
         // Of absorption alone of red: what excites it is dimmed as the closed form says, from front to back.
@@ -238,7 +240,7 @@ mod tests {
     #[test]
     fn what_has_no_paint_is_dark() {
         let mut other = glow(&[0.2], &[[0.0, 9.0]], 1.0);
-        other.surfaces[0].0 = Some("floor".to_owned());
+        other.surfaces[0].material = Some("floor".to_owned());
         assert_eq!(middle(&square(other, vec![]), EYE), Vec3::ZERO);
     }
 }

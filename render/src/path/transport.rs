@@ -177,7 +177,8 @@ impl<'a> Transport<'a> {
                 }
             };
             if let (Vertex::Surface { point, .. }, Some(hit), true) = (&vertex, &hit, self.wants(vertices)) {
-                found(vertices, throughput * self.emission(&edge, point, hit));
+                let kept = self.kept(hit, stream);
+                found(vertices, throughput * (kept + self.emission(&edge, point, hit)));
             }
             if vertices.count() == self.most_vertices {
                 return;
@@ -272,18 +273,23 @@ impl<'a> Transport<'a> {
             return Vec3::ZERO;
         }
         let number = stream.next_1d();
-        afterglow.of_medium(segment, number, |before| self.media.transmittance(before, stream))
+        afterglow
+            .sampled(stream)
+            .of_medium(segment, number, |before| self.media.transmittance(before, stream))
+    }
+
+    /// What a surface gives back of light that it kept: nothing but paths finds it.
+    fn kept(&self, hit: &Hit, stream: &mut Stream) -> Vec3 {
+        self.afterglow.as_ref().map_or(Vec3::ZERO, |afterglow| afterglow.sampled(stream).emission(hit))
     }
 
     /// Emission of a surface at the end of an edge, weighed.
     fn emission(&self, edge: &Edge<'_>, point: &SurfacePoint, hit: &Hit) -> Vec3 {
-        // Nothing but paths finds it.
-        let kept = self.afterglow.as_ref().map_or(Vec3::ZERO, |afterglow| afterglow.emission(hit));
         let emission = point.surface.emission;
         if emission == Vec3::ZERO {
-            return kept;
+            return emission;
         }
-        kept + emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
+        emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
     }
 
     /// How much light that an edge met counts, which is sampled among the lights with the density of

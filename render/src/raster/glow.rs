@@ -5,18 +5,23 @@ use super::light::shadow_sampler;
 use super::world::World;
 use crate::raster::groups;
 use crate::scene::Scene;
-use crate::scene::glow::{Glow, Piece};
+use crate::scene::glow::{Glow, GlowSurface, Piece};
 use crate::screen::{Device, MethodStep, PassDispatch};
-use deepshade_glow::paint::PaintState as State;
+use deepshade_glow::paint::{PaintFactors, PaintState as State};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::PaintState;
+use half::f16;
 
 /// Turns that the loops of an invocation take at most, but for a few: lavapipe (Mesa 22.3) ends them after
 /// 65,535 in all.
 const MOST_TURNS: usize = 48_000;
 /// Points of a way to a lamp at which a medium is looked up: `shared/light_dimmed.wgsl`.
 const POINTS: usize = 32;
+
+/// Numbers of a keeper of light in a list of these: what it is of, and what it has of a paint's numbers where
+/// any paint has textures.
+const TEXTURED_WORDS: usize = 5;
 
 /// Paints and time. Buffers of time are as `shared/glow_time.wgsl` says.
 #[derive(Debug)]
@@ -36,15 +41,17 @@ pub struct GlowOnGpu {
 }
 
 impl GlowOnGpu {
-    /// That of a scene.
+    /// That of a scene, for whose environment so many lamps stand.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, scene: &Scene) -> Result<Self, GpuError> {
+    pub fn new(device: &wgpu::Device, scene: &Scene, of_sky: usize) -> Result<Self, GpuError> {
         let glow = Glow::of(scene).clone();
-        let schedules = (0..scene.lights.len()).map(|light| glow.schedule_of(light)).collect();
+        let lamps = (0..scene.lights.len()).map(|light| glow.schedule_of(light));
+        let schedules: Vec<usize> =
+            lamps.chain(glow.schedule_of_sky().into_iter().cycle().take(of_sky)).collect();
         let paints = gpu::uniforms(device, "frame.paints", &records(&glow))?;
-        let nothing = vec![0.0f32; 1 + scene.lights.len() + glow.most_pieces() * (1 + glow.schedules.len())];
+        let nothing = vec![0.0f32; 1 + schedules.len() + glow.most_pieces() * (1 + glow.schedules.len())];
         let since = gpu::storage(device, "frame.glow_since", &nothing)?;
         let past = gpu::storage(device, "frame.glow_past", &nothing)?;
         Ok(Self { glow, schedules, before: None, paints, since, past })
@@ -109,6 +116,11 @@ impl GlowOnGpu {
             ("STATES", self.states() as u32),
             self.paint_states(),
         ]
+    }
+
+    /// Numbers of each keeper, as [`keeper_words`] has them.
+    pub fn words(&self) -> (&'static str, u32) {
+        ("KEEPER_WORDS", words(&self.glow) as u32)
     }
 
     /// The length of the list of paints.
@@ -190,7 +202,8 @@ impl Keeping<'_> {
     /// If the device refuses.
     pub fn steps(&self, device: &Device, world: &World) -> Result<Vec<MethodStep>, GpuError> {
         let Self { euler, shaders, keepers: [first, second], count, states } = *self;
-        let (shader, constants) = world.dimmed(shaders);
+        let (shader, mut constants) = world.dimmed(shaders);
+        constants.push(world.glow.words());
         let sampler = shadow_sampler(device);
         let own = [&world.glow.paints, first, second, &world.geometry.posed, &world.glow.since];
         let own = own.map(|buffer| buffer.as_entire_binding()).into_iter();
@@ -198,6 +211,37 @@ impl Keeping<'_> {
         let resources: Vec<_> = (0..).zip(resources.chain(world.dimming())).collect();
         world.glow.moving_on(device, (shader, &constants), euler, &resources, (count, states))
     }
+}
+
+/// What passes read of a keeper of light: a number of what it is part of, and, where any paint has textures,
+/// what it has of its paint's numbers, as halves: of excitation by red, green and blue and of decay, of
+/// radiance's red, green and blue, nothing.
+pub fn keeper_words(
+    glow: &Glow,
+    of: u32,
+    factors: impl FnOnce() -> Option<PaintFactors>,
+) -> impl Iterator<Item = u32> {
+    let mut all = [of, 0, 0, 0, 0];
+    if glow.has_textures() {
+        let factors = factors().unwrap_or(PaintFactors::ONE);
+        let (rates, radiance) = (factors.excitation.extend(factors.decay), factors.of_radiance());
+        let two = |low: f32, high: f32| {
+            let [low, high] = [low, high].map(|number| u32::from(f16::from_f32(number).to_bits()));
+            high << 16 | low
+        };
+        all = [
+            of,
+            two(rates.x, rates.y),
+            two(rates.z, rates.w),
+            two(radiance.x, radiance.y),
+            two(radiance.z, 0.0),
+        ];
+    }
+    all.into_iter().take(words(glow))
+}
+
+fn words(glow: &Glow) -> usize {
+    if glow.has_textures() { TEXTURED_WORDS } else { 1 }
 }
 
 /// The pieces of time that each dispatch of a pass that moves states on goes through, by so many steps of
@@ -210,7 +254,8 @@ fn rounds(glow: &Glow, euler: u32) -> Vec<[u32; 2]> {
 
 /// Whether buffers and passes of one suit the other.
 fn is_laid_out_alike(glow: &Glow, other: &Glow) -> bool {
-    let names = glow.surfaces.iter().map(|(name, _)| name).eq(other.surfaces.iter().map(|(name, _)| name));
+    let laid_out = |surface: &GlowSurface| (surface.material.clone(), surface.textures.clone());
+    let names = glow.surfaces.iter().map(laid_out).eq(other.surfaces.iter().map(laid_out));
     let room = |glow: &Glow| (glow.most_states(), glow.medium.is_some());
     names && room(glow) == room(other) && (&glow.schedules, glow.start) == (&other.schedules, other.start)
 }
@@ -247,10 +292,12 @@ mod tests {
             change(&mut other);
             is_laid_out_alike(&other, &before)
         };
-        assert!(alike(|glow| glow.surfaces[0].1.states[1].decay = 7.0) && alike(|glow| glow.moment = 5.0));
-        assert!(!alike(|glow| glow.surfaces[0].0 = Some("wall".to_owned())));
-        assert!(!alike(|glow| glow.surfaces[0].1.states.truncate(1)));
-        assert!(!alike(|glow| glow.medium = Some(glow.surfaces[0].1.clone())));
+        assert!(
+            alike(|glow| glow.surfaces[0].paint.states[1].decay = 7.0) && alike(|glow| glow.moment = 5.0)
+        );
+        assert!(!alike(|glow| glow.surfaces[0].material = Some("wall".to_owned())));
+        assert!(!alike(|glow| glow.surfaces[0].paint.states.truncate(1)));
+        assert!(!alike(|glow| glow.medium = Some(glow.surfaces[0].paint.clone())));
         assert!(!alike(|glow| glow.schedules[0].on[0][1] = 2.0));
         assert!(!alike(|glow| glow.start = crate::scene::glow::Start::LitForLong));
     }
@@ -261,7 +308,7 @@ mod tests {
         let flashes: Vec<[f32; 2]> = (0..400u16).map(|at| [f32::from(at), f32::from(at) + 0.5]).collect();
         for (decays, euler) in [(&[0.1; 4][..], 4096), (&[0.1], 4096), (&[0.1; 2], 7), (&[0.1], 0)] {
             let mut glow = glow(decays, &flashes, 9.0);
-            glow.schedules.push(Schedule { lights: vec![], on: vec![] });
+            glow.schedules.push(Schedule::default());
             let rounds = rounds(&glow, euler);
             let mut next = 0;
             for [first, count] in &rounds {

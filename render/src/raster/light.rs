@@ -28,6 +28,8 @@ pub struct Lights {
     pub map_views: wgpu::Buffer,
     /// How many there are.
     pub count: usize,
+    /// How many there are for what keeps light, with those that stand for the environment: the last.
+    pub charging: usize,
     /// Of each its maps and the place of its picture.
     belongings: Vec<LightReferences>,
 }
@@ -37,26 +39,31 @@ pub struct Lights {
 type LightReferences = (Option<(usize, usize)>, Option<[f32; 4]>);
 
 impl Lights {
-    /// Those of a scene, with the maps that they have.
+    /// Those of a scene, the first of `lights`, with the maps that they have.
     ///
     /// # Errors
     /// If the device has no room.
-    pub fn new(device: &wgpu::Device, scene: &Scene, plan: &MapPlan) -> Result<Self, GpuError> {
+    pub fn new(
+        device: &wgpu::Device,
+        scene: &Scene,
+        lights: &[Light],
+        plan: &MapPlan,
+    ) -> Result<Self, GpuError> {
         let (places, pictures) = pictures(scene);
         let picture = |light: &Light| light.picture().map(|texture| places[&texture.0]);
         let belongings: Vec<LightReferences> =
-            scene.lights.iter().zip(&plan.of_lights).map(|(light, maps)| (*maps, picture(light))).collect();
-        let mut records = records(&scene.lights, &belongings);
+            lights.iter().zip(&plan.of_lights).map(|(light, maps)| (*maps, picture(light))).collect();
+        let mut records = records(lights, &belongings);
         let no_views: Vec<FrameView> = vec![bytemuck::Zeroable::zeroed(); plan.maps.max(1)];
-        let count = records.len();
         // A binding holds at least one.
-        records.resize(count.max(1), bytemuck::Zeroable::zeroed());
+        records.resize(lights.len().max(1), bytemuck::Zeroable::zeroed());
         Ok(Self {
             records: gpu::storage(device, "frame.lights", &records)?,
             shining: gpu::storage(device, "frame.shining", &records)?,
             pictures: gpu::storage(device, "frame.pictures", &pictures)?,
             map_views: gpu::storage(device, "frame.map_views", &no_views)?,
-            count,
+            count: scene.lights.len(),
+            charging: lights.len(),
             belongings,
         })
     }

@@ -18,6 +18,7 @@ use crate::gbuffer::OBJECT_IDS;
 use crate::path::bsdf::hemispherical_albedo;
 use crate::scene::{Glow, Material, Mesh, Scene, Surface};
 use closed::closed;
+use deepshade_glow::paint::PaintFactors;
 use glam::{Vec2, Vec3, Vec4};
 use patch::MOST_HALVINGS;
 use rayon::prelude::*;
@@ -57,10 +58,17 @@ pub fn emissions(scene: &Scene, draws: &[Draw]) -> Vec<Emission> {
     if scene.emits() { cut_into(scene, draws, PARTS, emission) } else { Vec::new() }
 }
 
-/// The paint of each of a scene's [`patches`], as its [`Glow`] counts them.
-pub fn paints(scene: &Scene, draws: &[Draw]) -> Vec<Option<usize>> {
-    let paints = Glow::of(scene).paints_of(scene);
-    let paint = |part: &TrianglePart<'_>| paints[scene.meshes[part.mesh].material.0 as usize];
+/// The paint of each of a scene's [`patches`], as its [`Glow`] counts them, and what its middle has of it.
+pub fn paints(scene: &Scene, draws: &[Draw]) -> Vec<(Option<usize>, Option<PaintFactors>)> {
+    let glow = Glow::of(scene);
+    let paints = glow.paints_of(scene);
+    let paint = |part: &TrianglePart<'_>| {
+        let mesh = &scene.meshes[part.mesh];
+        let paint = paints[mesh.material.0 as usize];
+        let middle = part.patch.weights().into_iter().sum::<Vec3>() / 3.0;
+        let textures = paint.map(|paint| &glow.surfaces[paint].textures);
+        (paint, textures.and_then(|own| own.factors(mesh, part.triangle, middle.to_array())))
+    };
     cut_into(scene, draws, PARTS, paint)
 }
 

@@ -10,8 +10,10 @@ use super::patches::{self, Emission, Patch, Reflectance};
 use super::pose::Posing;
 use super::shadow::{self, CameraView, MapPlan, ShadowPass};
 use super::texture::Textures;
+use crate::scene::glow::SKY_LAMPS;
 use crate::scene::gltf::Rig;
 use crate::scene::{AnimatedScene, Bounds, Camera, Glow, Light, Scene};
+use deepshade_glow::paint::PaintFactors;
 use deepshade_shaders::gpu::{Gpu, GpuError, Stamps};
 use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::wgsl::uniforms::FrameView;
@@ -23,6 +25,7 @@ pub struct World {
     /// The scene at one moment.
     scene: Scene,
     rigs: Vec<Rig>,
+    /// All lamps as they are now, and those that stand for the environment.
     lights: Vec<Light>,
     /// The lights as they were given last, before animations move them.
     given: Vec<Light>,
@@ -69,16 +72,18 @@ impl World {
         let textures = Textures::new(gpu, &scene.textures)?;
         let geometry = Geometry::new(device, animated)?;
         let posing = Posing::new(gpu, animated, &geometry)?;
+        let of_sky = sky_lamps(scene);
+        let lights = [&scene.lights[..], &of_sky].concat();
         let map_plan = match shadow_size {
-            Some(size) => MapPlan::new(&scene.lights, size),
-            None => MapPlan::without(&scene.lights),
+            Some(size) => MapPlan::new(&lights, scene.lights.len(), size),
+            None => MapPlan::without(&lights),
         };
-        let gpu_lights = Lights::new(device, scene, &map_plan)?;
+        let gpu_lights = Lights::new(device, scene, &lights, &map_plan)?;
         let shadows = ShadowPass::new(device, &map_plan, &scene.materials, &textures)?;
         Ok(Self {
             scene: scene.clone(),
             rigs: rigs.clone(),
-            lights: scene.lights.clone(),
+            lights,
             given: scene.lights.clone(),
             on: vec![true; scene.lights.len()],
             bounds: animated.reach(),
@@ -89,7 +94,7 @@ impl World {
             materials: Materials::new(device, scene)?,
             gpu_lights,
             medium: MediumOnGpu::new(gpu, scene)?,
-            glow: GlowOnGpu::new(device, scene)?,
+            glow: GlowOnGpu::new(device, scene, of_sky.len())?,
             map_plan,
             shadows,
             maps_stay: false,
@@ -151,11 +156,11 @@ impl World {
     /// If they are not as many, and of the same kinds: their maps are laid out.
     pub fn set_lights(&mut self, queue: &wgpu::Queue, lights: &[Light]) {
         let kinds = |lights: &[Light]| lights.iter().map(std::mem::discriminant).collect::<Vec<_>>();
-        assert_eq!(kinds(lights), kinds(&self.lights), "lights keep their kinds");
+        assert_eq!(kinds(lights), kinds(&self.given), "lights keep their kinds");
         if lights != self.given {
             self.given = lights.to_vec();
-            self.lights = lights.to_vec();
-            self.gpu_lights.set(queue, lights, &self.on);
+            self.lights[..lights.len()].copy_from_slice(lights);
+            self.gpu_lights.set(queue, &self.lights, &self.on);
             self.glow.forget();
         }
     }
@@ -170,7 +175,8 @@ impl World {
         can
     }
 
-    /// Its lamps with their maps, as passes bind them one after the other.
+    /// Its lamps with their maps, and those that stand for the environment, as passes bind them one after the
+    /// other.
     pub fn lamps<'a>(&'a self, sampler: &'a wgpu::Sampler) -> [wgpu::BindingResource<'a>; 5] {
         let Lights { records, map_views, pictures, .. } = &self.gpu_lights;
         [
@@ -186,7 +192,7 @@ impl World {
     /// lamps', the one that this scene wants, with its constants.
     pub fn dimmed(&self, [clear, dimmed]: [Shader; 2]) -> (Shader, Vec<(&'static str, u32)>) {
         let mut constants =
-            [&self.glow.constants()[..], &[("LIGHTS", self.gpu_lights.count as u32)]].concat();
+            [&self.glow.constants()[..], &[("LIGHTS", self.gpu_lights.charging as u32)]].concat();
         if self.scene.medium.is_none() {
             return (clear, constants);
         }
@@ -224,8 +230,8 @@ impl World {
         patches::emissions(&self.scene, &self.geometry.draws)
     }
 
-    /// The paint of each of them, as its glow counts them.
-    pub fn patch_paints(&self) -> Vec<Option<usize>> {
+    /// The paint of each of them, as its glow counts them, and what its middle has of it.
+    pub fn patch_paints(&self) -> Vec<(Option<usize>, Option<PaintFactors>)> {
         patches::paints(&self.scene, &self.geometry.draws)
     }
 
@@ -258,6 +264,12 @@ impl World {
     pub fn light_views(&self, light: usize, size: usize) -> Vec<FrameView> {
         self.seen.iter().flat_map(|seen| shadow::views(&self.lights[light], size, *seen)).collect()
     }
+}
+
+/// The lamps that stand for the environment of a scene that keeps its light.
+fn sky_lamps(scene: &Scene) -> Vec<Light> {
+    let environment = scene.environment.as_deref().filter(|_| Glow::of(scene).schedule_of_sky().is_some());
+    environment.map_or_else(Vec::new, |environment| environment.lamps(SKY_LAMPS))
 }
 
 /// What the device does in another way than asked; of shadows where any are asked for, with maps of which

@@ -98,6 +98,13 @@ impl AnimatedScene {
         Ok(scene)
     }
 
+    /// The corners of a triangle as they are at a time, seconds; none where there is no such triangle.
+    pub fn corners(&self, mesh: usize, triangle: usize, time: f32) -> Option<[Vec3; 3]> {
+        let there = self.scene.meshes.get(mesh).filter(|mesh| triangle < mesh.triangles.len())?;
+        let moved = self.rigs.iter().find_map(|rig| rig.corners(mesh, triangle, time));
+        Some(moved.unwrap_or_else(|| there.corners(triangle)))
+    }
+
     /// Moves the scene's lights, or such as stand for them, to where animations have them at a time, seconds.
     pub fn light(&self, lights: &mut [Light], time: f32) {
         self.rigs.iter().for_each(|rig| rig.light(lights, time));

@@ -12,6 +12,7 @@
 //! solid angle).
 
 mod cumulative;
+mod directions;
 mod file;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,9 @@
 //! Which surfaces of a scene keep light, and when its lamps shine: what phosphorescence is of.
 
 pub mod file;
+pub mod surface;
+
+pub use surface::{GlowSurface, PaintTextures};
 
 use super::{Material, Scene};
 use deepshade_glow::file::MaterialFile;
@@ -14,17 +17,18 @@ const USUAL: &str = "blue";
 /// A time so long that every state that changes has reached its equilibrium, seconds.
 pub const FOR_LONG: f32 = 1e12;
 
+/// Lamps that stand for the environment where methods draw shadow maps of what surfaces keep.
+pub const SKY_LAMPS: u32 = 32;
+
 /// Parts of the past that are looked at to tell what of it matters.
 const FINE: usize = 4096;
 
 /// What of a scene keeps light, and the moment at which it is seen. Lamps are the scene's lights without an
-/// extent.
+/// extent, and the environment where a schedule says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Glow {
-    /// Paints, each with the name of the material that has it: [its own](Scene::material_names), or that of
-    /// several, which means all of these that are not named themselves; the one without a name is of all
-    /// others.
-    pub surfaces: Vec<(Option<String>, Paint)>,
+    /// What of its surfaces keeps light.
+    pub surfaces: Vec<GlowSurface>,
     /// The paint of what fills the space between surfaces: one that nothing is seen through looks like a
     /// surface of it.
     pub medium: Option<Paint>,
@@ -37,10 +41,12 @@ pub struct Glow {
 }
 
 /// When some lamps shine.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Schedule {
     /// Their numbers in the scene.
     pub lights: Vec<usize>,
+    /// Whether the environment shines then, too. Where no schedule says so nothing keeps its light.
+    pub sky: bool,
     /// From when to when, seconds, in order and apart.
     pub on: Vec<[f32; 2]>,
 }
@@ -76,9 +82,9 @@ static AFTERGLOW: LazyLock<Glow> = LazyLock::new(|| {
     let presets = MaterialFile::presets();
     let material = presets.named(USUAL).expect("a preset");
     Glow {
-        surfaces: vec![(None, Paint::new(material, None).expect("one state"))],
+        surfaces: vec![GlowSurface::new(None, Paint::new(material, None).expect("one state"))],
         medium: None,
-        schedules: vec![Schedule { lights: Vec::new(), on: vec![[-1.0, 0.0]] }],
+        schedules: vec![Schedule { on: vec![[-1.0, 0.0]], ..Schedule::default() }],
         start: Start::Share(0.0),
         moment: 0.0,
     }
@@ -98,13 +104,19 @@ impl Glow {
 
     /// All paints: of surfaces, and last that of the medium.
     pub fn paints(&self) -> impl Iterator<Item = &Paint> {
-        self.surfaces.iter().map(|(_, paint)| paint).chain(&self.medium)
+        self.surfaces.iter().map(|surface| &surface.paint).chain(&self.medium)
+    }
+
+    /// Whether any surface's paint has textures.
+    pub fn has_textures(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.textures.is_any())
     }
 
     /// The paint of each of a scene's materials: its place in `surfaces`.
     pub fn paints_of(&self, scene: &Scene) -> Vec<Option<usize>> {
-        let named =
-            |wanted: Option<&str>| self.surfaces.iter().position(|(name, _)| name.as_deref() == wanted);
+        let named = |wanted: Option<&str>| {
+            self.surfaces.iter().position(|surface| surface.material.as_deref() == wanted)
+        };
         let paint = |(material, own): (&Material, String)| {
             named(Some(&own)).or_else(|| named(Some(&material.name))).or_else(|| named(None))
         };
@@ -115,6 +127,24 @@ impl Glow {
     pub fn schedule_of(&self, light: usize) -> usize {
         let named = self.schedules.iter().position(|schedule| schedule.lights.contains(&light));
         named.unwrap_or(self.schedules.len() - 1)
+    }
+
+    /// Which schedule the environment follows; none where nothing keeps its light.
+    pub fn schedule_of_sky(&self) -> Option<usize> {
+        self.schedules.iter().position(|schedule| schedule.sky)
+    }
+
+    /// Whether the environment shines at the moment that a still shows, or nothing keeps its light.
+    pub fn sky_shines(&self) -> bool {
+        let shines = |on: &[f32; 2]| (on[0]..on[1]).contains(&self.moment);
+        self.schedule_of_sky().is_none_or(|sky| self.schedules[sky].on.iter().any(shines))
+    }
+
+    /// Whether the environment shines from a moment on for ever, seconds, or nothing keeps its light.
+    pub fn sky_shines_on(&self, moment: f32) -> bool {
+        let last = |schedule: &Schedule| schedule.on.last().copied();
+        let last = self.schedule_of_sky().map(|sky| last(&self.schedules[sky]));
+        last.is_none_or(|last| last.is_some_and(|[on, off]| on <= moment && off == f32::INFINITY))
     }
 
     /// Whether a lamp shines at the moment that a still shows.
@@ -235,9 +265,9 @@ pub(crate) mod tests {
     /// All surfaces of that paint, dark at first, under lamps that all shine at these times.
     pub fn glow(decays: &[f32], on: &[[f32; 2]], moment: f32) -> Glow {
         Glow {
-            surfaces: vec![(None, paint(decays))],
+            surfaces: vec![GlowSurface::new(None, paint(decays))],
             medium: None,
-            schedules: vec![Schedule { lights: Vec::new(), on: on.to_vec() }],
+            schedules: vec![Schedule { on: on.to_vec(), ..Schedule::default() }],
             start: Start::Share(0.0),
             moment,
         }
@@ -246,7 +276,8 @@ pub(crate) mod tests {
     #[test]
     fn time_is_cut_where_lamps_are_switched() {
         let mut glow = glow(&[1.0], &[[1.0, 2.5]], 4.0);
-        glow.schedules.insert(0, Schedule { lights: vec![3], on: vec![[0.0, f32::INFINITY]] });
+        glow.schedules.insert(0, Schedule { lights: vec![3], on: vec![[0.0, f32::INFINITY]], sky: true });
+        assert!(glow.sky_shines_on(0.0) && !glow.sky_shines_on(-1.0) && glow.schedule_of_sky() == Some(0));
         assert_eq!([glow.schedule_of(3), glow.schedule_of(0)], [0, 1]);
         let piece = |seconds, on: [bool; 2]| Piece { seconds, on: on.to_vec() };
         let expected = vec![piece(1.0, [true, false]), piece(1.5, [true, true]), piece(1.5, [true, false])];
@@ -313,7 +344,7 @@ pub(crate) mod tests {
             vec![Piece { seconds: 1.0, on: vec![true] }, Piece { seconds: 2.0, on: vec![false] }]
         );
         assert!(glow.past(-1.0).is_empty() && !glow.shines(0) && glow.before() == 0.0);
-        assert_eq!(glow.surfaces[0].1.name, USUAL);
+        assert_eq!(glow.surfaces[0].paint.name, USUAL);
     }
 
     #[test]
@@ -323,7 +354,7 @@ pub(crate) mod tests {
         let materials = materials.map(|name| Material::matte(name, Vec3::ONE)).to_vec();
         let scene = Scene { materials, ..Scene::default() };
         for name in ["paint", "wall", "paint#2"] {
-            glow.surfaces.insert(0, (Some(name.to_owned()), paint(&[2.0])));
+            glow.surfaces.insert(0, GlowSurface::new(Some(name), paint(&[2.0])));
         }
         assert_eq!(glow.paints_of(&scene), [1, 2, 3, 0, 2].map(Some));
         glow.surfaces.pop();

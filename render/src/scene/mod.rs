@@ -254,6 +254,12 @@ impl Scene {
         self.lights.iter().enumerate().filter(move |(light, _)| shines(*light)).map(|(_, light)| light)
     }
 
+    /// The environment, unless a glowing scene has switched it off at the moment that it shows.
+    pub fn shining_environment(&self) -> Option<&Environment> {
+        let shines = self.glow.as_deref().is_none_or(Glow::sky_shines);
+        self.environment.as_deref().filter(|_| shines)
+    }
+
     /// Takes out triangles without an area, which have no normal, and meshes that lose all of theirs.
     fn drop_degenerate_triangles(&mut self) {
         for mesh in &mut self.meshes {

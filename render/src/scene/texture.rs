@@ -39,7 +39,7 @@ pub enum Filter {
 }
 
 /// An image that materials read, origin top left, `[height][width]` texels of four bytes, which copies share.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
     width: usize,
     height: usize,
@@ -82,8 +82,16 @@ impl Texture {
     /// # Errors
     /// If the file is missing, damaged or no such image.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::load_as(path, Encoding::Srgb)
+    }
+
+    /// The same of an image whose bytes mean something else.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_as(path: &Path, encoding: Encoding) -> Result<Self, SceneError> {
         let image = decode(&read(path)?).map_err(|what| SceneError::invalid(path, what))?;
-        Ok(Self::of(&image, Encoding::Srgb, [Wrap::Repeat; 2]))
+        Ok(Self::of(&image, encoding, [Wrap::Repeat; 2]))
     }
 
     /// Texels in a row and in a column.

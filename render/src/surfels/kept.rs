@@ -7,11 +7,11 @@
 
 use super::cloud::{Cloud, SURFEL_GROUPS};
 use crate::raster::World;
-use crate::raster::glow::Keeping;
+use crate::raster::glow::{Keeping, keeper_words};
 use crate::raster::groups;
 use crate::scene::Glow;
 use crate::screen::{Device, MethodStep, Workgroups};
-use deepshade_glow::paint::MOST_STATES;
+use deepshade_glow::paint::{MOST_STATES, PaintFactors};
 use deepshade_shaders::gpu::{self, GpuError};
 use deepshade_shaders::wgsl::Shader;
 
@@ -29,24 +29,29 @@ pub fn steps(
     cloud: &Cloud,
     sent: &wgpu::Buffer,
 ) -> Result<Vec<MethodStep>, GpuError> {
-    let mut painted: Vec<u32> =
-        world.patch_paints().into_iter().map(|paint| paint.map_or(0, |paint| paint as u32 + 1)).collect();
+    let paints = world.patch_paints();
     // A binding holds at least one.
-    painted.resize(painted.len().max(1), 0);
-    let numbers = 2 * painted.len() * world.glow.states();
+    let count = paints.len().max(1);
+    let words = |(paint, factors): (Option<usize>, Option<PaintFactors>)| {
+        keeper_words(world.glow.glow(), paint.map_or(0, |paint| paint as u32 + 1), move || factors)
+    };
+    let mut painted: Vec<u32> = paints.into_iter().flat_map(words).collect();
+    painted.resize(count * world.glow.words().1 as usize, 0);
+    let numbers = 2 * count * world.glow.states();
     let states = gpu::empty::<f32>(device, "surfels.states", numbers)?;
     let painted_there = gpu::storage(device, "surfels.painted", &painted)?;
     let keeping = Keeping {
         euler: 0,
         shaders: [Shader::at("surfels/keep"), Shader::at("surfels/keep_dimmed")],
         keepers: [&cloud.patches, &painted_there],
-        count: painted.len(),
+        count,
         states: &states,
     };
     let poses = world.poses().map(|pose| keeping.steps(device, pose));
     let mut steps = poses.collect::<Result<Vec<_>, _>>()?.concat();
     let unit = unit(world.glow.glow());
-    let constants = [("STATES", world.glow.states() as u32), world.glow.paint_states(), unit];
+    let constants =
+        [("STATES", world.glow.states() as u32), world.glow.paint_states(), world.glow.words(), unit];
     let pass = device.pass(Shader::at("surfels/give_back"), &constants)?;
     let reads = [&world.glow.paints, &painted_there, &cloud.starts, &cloud.totals, &cloud.surfels, &states];
     let groups = Workgroups::Counted(cloud.totals.clone(), SURFEL_GROUPS);
@@ -67,7 +72,7 @@ pub fn in_watts(device: &Device, world: &World, image: &wgpu::Buffer) -> Result<
 /// The powers of two of what surfels give back that make a W/m²/sr, and 128 more, by the brightest that a
 /// surface can be.
 pub fn unit(glow: &Glow) -> (&'static str, u32) {
-    let full = glow.surfaces.iter().map(|(_, paint)| paint.emission(&[1.0; MOST_STATES]).max_element());
+    let full = glow.surfaces.iter().map(|surface| surface.paint.emission(&[1.0; MOST_STATES]).max_element());
     let brightest = full.fold(0.0, f32::max);
     // Of nothing, and of what is no number, any unit will do.
     let powers = if brightest > 0.0 { FULL - brightest.log2().ceil() } else { 0.0 };
@@ -83,13 +88,13 @@ mod tests {
     fn full_states_are_as_bright_as_packed_radiance_is_sure_to_hold() {
         for scale in [1e-20, 1e-6, 0.3, 1.0, 7.0, 1e9] {
             let mut glow = glow(&[1.0, 0.5], &[], 0.0);
-            glow.surfaces[0].1.states.iter_mut().for_each(|state| state.emission *= scale);
+            glow.surfaces[0].paint.states.iter_mut().for_each(|state| state.emission *= scale);
             let (_, unit) = unit(&glow);
             let brightest = 1.5 * scale * (unit as f32 - 128.0).exp2();
             assert!((16_384.0..=32_768.0).contains(&brightest), "{scale}: {brightest}");
         }
         let mut dark = glow(&[1.0], &[], 0.0);
-        dark.surfaces[0].1.states[0].emission = glam::Vec3::ZERO;
+        dark.surfaces[0].paint.states[0].emission = glam::Vec3::ZERO;
         assert_eq!(unit(&dark), ("UNIT", 128));
     }
 }

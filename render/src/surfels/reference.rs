@@ -233,7 +233,7 @@ fn patches_and_disks(
 
 /// Radiance that each of a scene's patches gives back of what it kept at its middle.
 pub fn given_back(scene: &TracedScene, patches: &[Patch]) -> Vec<Vec3> {
-    let (afterglow, origins) = (Afterglow::new(scene), patches::origins(scene.scene()));
+    let (afterglow, origins) = (Afterglow::new(scene).by_lamps(), patches::origins(scene.scene()));
     let kept = |(patch, [mesh, triangle]): (&Patch, [usize; 2])| {
         let middle = patch.weights().into_iter().sum::<Vec3>() / 3.0;
         afterglow.emission_at(mesh, triangle, middle.to_array())

@@ -12,7 +12,7 @@ use deepshade_render::past;
 use deepshade_render::path::phosphor::{Afterglow, ReceivingPoint};
 use deepshade_render::path::{self, Sampling, Shot};
 use deepshade_render::raster::{Frame, frame::FrameStage, frame::RasterSettings};
-use deepshade_render::scene::glow::{Glow, Schedule, Start};
+use deepshade_render::scene::glow::{Glow, GlowSurface, Schedule, Start};
 use deepshade_render::scene::{AnimatedScene, Camera, Light, Scene, SceneSource};
 use deepshade_render::screen::{Inputs, MethodPasses, ScreenMethod, View};
 use deepshade_shaders::gpu::{self, Gpu};
@@ -54,9 +54,9 @@ fn stage() -> String {
 fn glow() -> Glow {
     let state = PaintState { decay: 0.4, excitation: Vec3::splat(0.05), emission: Vec3::new(1.0, 0.8, 0.2) };
     Glow {
-        surfaces: vec![(None, Paint { name: "test".to_owned(), states: vec![state] })],
+        surfaces: vec![GlowSurface::new(None, Paint { name: "test".to_owned(), states: vec![state] })],
         medium: None,
-        schedules: vec![Schedule { lights: vec![], on: vec![[0.0, 0.6]] }],
+        schedules: vec![Schedule { on: vec![[0.0, 0.6]], ..Schedule::default() }],
         start: Start::Share(0.0),
         moment: 0.0,
     }
@@ -77,7 +77,7 @@ fn posed(path: &Path, time: f32) -> TracedScene {
 fn expected(path: &Path, tiles: &Tiles) -> Vec<f32> {
     let mut shares = vec![0.0f32; tiles.texels];
     let glow = glow();
-    let paint = &glow.surfaces[0].1;
+    let paint = &glow.surfaces[0].paint;
     for frame in 1..=FPS {
         let [before, now] = [frame - 1, frame].map(|frame| f32::from(frame) / f32::from(FPS));
         let scene = posed(path, now);
@@ -159,7 +159,7 @@ fn kept_light_moves_and_bends_with_its_surface() {
         let share = around.iter().map(|(texel, weight)| weight * right[tile.first as usize + texel]).sum();
         let mut shares = [0.0; MOST_STATES];
         shares[0] = share;
-        Some(glow().surfaces[0].1.emission(&shares).x)
+        Some(glow().surfaces[0].paint.emission(&shares).x)
     };
     let seen: Vec<f32> = (0..SIZE * SIZE).map(|pixel| sent(pixel).unwrap_or(0.0)).collect();
     assert!(off(&image[..SIZE * SIZE], &seen) < 0.03, "{}", off(&image[..SIZE * SIZE], &seen));
@@ -176,7 +176,7 @@ fn kept_light_moves_and_bends_with_its_surface() {
             let past = past
                 .iter()
                 .map(|piece| LightInterval { seconds: piece.seconds, irradiance: lit(piece.on[0]) });
-            glow.surfaces[0].1.after(0.0, past)[0]
+            glow.surfaces[0].paint.after(0.0, past)[0]
         };
         texel_weights(tile.divisions).map(share).collect::<Vec<_>>()
     };
@@ -219,7 +219,7 @@ fn kept_light_survives_poses_in_which_triangles_have_no_area() {
     animated.scene.lights[0] = Light::Point { position: 3.0 * Vec3::Y, intensity, range: f32::INFINITY };
     let mut kept = Glow { moment: 1.5, ..glow() };
     kept.schedules[0].on = vec![[0.0, 1.0]];
-    let (state, moment) = (kept.surfaces[0].1.states[0], kept.moment);
+    let (state, moment) = (kept.surfaces[0].paint.states[0], kept.moment);
     let now = Scene { glow: Some(Arc::new(kept)), ..animated.scene.clone() };
     let scene = past::of_animation(&animated, &now).expect("poses of the same triangles");
 

@@ -332,7 +332,7 @@ pub(super) const TABLE: [Definition; 19] = [
         filters_light: false,
         hides_light: false,
         parts_colours: false,
-        listens_to: &[Medium, Phosphor],
+        listens_to: &[Medium, Phosphor, Environment],
         turns: true,
         // Where lamps shone tells what was kept of their light.
         attributes: &[Position, Normal, DiffuseLight, Diffuse, Valid],
@@ -353,7 +353,7 @@ pub(super) const TABLE: [Definition; 19] = [
         filters_light: false,
         hides_light: false,
         parts_colours: false,
-        listens_to: &[Radius, Medium, Phosphor],
+        listens_to: &[Radius, Medium, Phosphor, Environment],
         turns: true,
         attributes: &[Position, Normal, DiffuseLight, Diffuse, Valid],
         needs: None,

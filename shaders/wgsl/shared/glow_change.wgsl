@@ -45,11 +45,18 @@ fn exactly(share: Share, charge: f32, decay: f32, seconds: f32, nothing: u32) ->
 // The states of a texel, a cell or a patch after a stretch of time, under light of each schedule: exactly, or
 // by EULER steps of Euler's scheme for each time in which no lamp is switched. Of these times a dispatch goes
 // through PIECES_AT_ONCE, from FIRST_PIECE on: an invocation may take so many turns of its loops, and no
-// more.
-fn move_on(kept: u32, paint: u32, irradiance: ptr<function, array<vec3f, SCHEDULES>>, nothing: u32) {
+// more. `factors` are what it has of the paint's rates.
+fn move_on(
+    kept: u32,
+    paint: u32,
+    factors: vec4f,
+    irradiance: ptr<function, array<vec3f, SCHEDULES>>,
+    nothing: u32,
+) {
     let anew = time[0] == 1.0 && FIRST_PIECE == 0u;
     for (var s = 0u; s < STATES; s++) {
-        let state = paints[paint * STATES + s];
+        var state = paints[paint * STATES + s];
+        state.rates *= factors;
         let at = kept * STATES + s;
         let at_left = at + arrayLength(&states) / 2u;
         var share = Share(states[at], states[at_left]);

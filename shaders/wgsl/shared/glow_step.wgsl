@@ -2,6 +2,7 @@
 // render/src/methods/phosphor/reference.rs.
 
 #import shared/glow_change
+#import shared/glow_keeper
 #import shared/glow_place
 #import shared/glow_tile
 #import shared/glow_time
@@ -15,7 +16,7 @@
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;
-// [texels]: the tile that each is part of
+// [texels, KEEPER_WORDS]: the tile that each is part of, and factors
 @group(0) @binding(2) var<storage, read> owners: array<u32>;
 @group(0) @binding(3) var<storage, read> posed: array<f32>;
 @group(0) @binding(4) var<storage, read> time: array<f32>;
@@ -47,14 +48,19 @@ fn texel_weights(texel: u32, divisions: u32) -> vec3f {
 @compute @workgroup_size(64)
 fn step_states(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let texel = id.x + id.y * groups.x * 64u;
-    if texel >= arrayLength(&owners) {
+    let at = texel * KEEPER_WORDS;
+    if at >= arrayLength(&owners) {
         return;
     }
-    let tile = tiles[owners[texel]];
+    let tile = tiles[owners[at]];
+    var factors = vec4f(1.0);
+    if KEEPER_WORDS > 1u {
+        factors = keeper_factors(owners[at + 1u], owners[at + 2u]);
+    }
     let place = place_of(tile_vertices(tile), texel_weights(texel - tile.first, tile.divisions));
     var irradiance: array<vec3f, SCHEDULES>;
     for (var i = 0u; i < LIGHTS; i++) {
         irradiance[schedule_of(i)] += received(lights[i], place);
     }
-    move_on(texel, tile.paint, &irradiance, groups.z - 1u);
+    move_on(texel, tile.paint, factors, &irradiance, groups.z - 1u);
 }

@@ -2,6 +2,7 @@
 // their middles. The plain version is render/src/path/phosphor/afterglow.rs.
 
 #import shared/glow_change
+#import shared/glow_keeper
 #import shared/glow_place
 #import shared/glow_time
 #import shared/surfel_patch_record
@@ -14,7 +15,7 @@
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> patches: array<Patch>;
-// Of each patch its paint, counted from 1; 0 where no light is kept.
+// [patches, KEEPER_WORDS]: the paint, counted from 1, 0 where no light is kept; factors.
 @group(0) @binding(2) var<storage, read> painted: array<u32>;
 @group(0) @binding(3) var<storage, read> posed: array<f32>;
 @group(0) @binding(4) var<storage, read> time: array<f32>;
@@ -29,8 +30,13 @@
 @compute @workgroup_size(64)
 fn keep(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let index = id.x + id.y * groups.x * 64u;
-    if index >= arrayLength(&painted) || painted[index] == 0u {
+    let at = index * KEEPER_WORDS;
+    if at >= arrayLength(&painted) || painted[at] == 0u {
         return;
+    }
+    var factors = vec4f(1.0);
+    if KEEPER_WORDS > 1u {
+        factors = keeper_factors(painted[at + 1u], painted[at + 2u]);
     }
     let one = patches[index];
     let weights = patch_weights(one.part) * vec3f(1.0 / 3.0);
@@ -39,5 +45,5 @@ fn keep(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var i = 0u; i < LIGHTS; i++) {
         irradiance[schedule_of(i)] += received(lights[i], place);
     }
-    move_on(index, painted[index] - 1u, &irradiance, groups.z - 1u);
+    move_on(index, painted[at] - 1u, factors, &irradiance, groups.z - 1u);
 }

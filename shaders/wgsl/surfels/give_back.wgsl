@@ -2,6 +2,7 @@
 // packed radiance ends at 2^-24, and what is kept for long is fainter. What the inside of a closed body gives
 // back stays in it.
 
+#import shared/glow_keeper
 #import shared/packing
 #import shared/surfel
 #import shared/surfel_order
@@ -27,9 +28,13 @@ fn give_back(@builtin(global_invocation_id) id: vec3u) {
     }
     let index = patch_of(chosen(id.x));
     var emission = vec3f(0.0);
-    if painted[index] > 0u {
+    let at = index * KEEPER_WORDS;
+    if painted[at] > 0u {
         for (var s = 0u; s < STATES; s++) {
-            emission += states[index * STATES + s] * paints[(painted[index] - 1u) * STATES + s].emission.rgb;
+            emission += states[index * STATES + s] * paints[(painted[at] - 1u) * STATES + s].emission.rgb;
+        }
+        if KEEPER_WORDS > 1u {
+            emission *= keeper_factors(painted[at + 3u], painted[at + 4u]).rgb;
         }
     }
     let front = pack_radiance(emission * exp2(f32(UNIT) - 128.0));

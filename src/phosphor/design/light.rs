@@ -44,7 +44,12 @@ impl Spot {
     /// Where it is in a pose of the scene, metres.
     #[cfg(feature = "view")]
     pub fn position_in(&self, scene: &Scene) -> Vec3 {
-        let corners = scene.meshes[self.mesh].corners(self.triangle);
+        self.between(scene.meshes[self.mesh].corners(self.triangle))
+    }
+
+    /// Where it is between its triangle's corners.
+    #[cfg(feature = "view")]
+    pub fn between(&self, corners: [Vec3; 3]) -> Vec3 {
         corners.iter().zip(self.weights).map(|(corner, weight)| *corner * weight).sum()
     }
 

@@ -5,7 +5,7 @@ use deepshade_glow::spectrum::Bands;
 use deepshade_glow::spectrum::lights::Light;
 use deepshade_render::path::phosphor::Afterglow;
 use deepshade_render::scene::Look;
-use deepshade_render::scene::glow::Glow;
+use deepshade_render::scene::glow::{Glow, GlowSurface};
 use std::path::Path;
 use std::sync::Arc;
 use task::{WantedKey, WantedPlace};
@@ -39,7 +39,8 @@ fn switched(task: &Task) -> SwitchedScene {
 fn rendered(task: &Task, spot: &Spot, material: &Material, time: f32) -> Vec<f64> {
     let scene = switched(task).at(time).expect("a scene");
     let paint = Paint::new(material, task.spectrum).expect("few states");
-    let glow = Glow { surfaces: vec![(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
+    let glow =
+        Glow { surfaces: vec![GlowSurface::new(None, paint.clone())], ..Glow::of(scene.scene()).clone() };
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
     let scene = scene.with_look(look).expect("a look");
     let shares = Afterglow::new(&scene).shares(spot.mesh, spot.triangle, spot.weights).expect("paint");
@@ -146,7 +147,7 @@ fn of_materials_of_one_name_the_one_of_the_place_is_designed() {
     run(&args).expect("a design");
     let scene = switched(&Task::read(&args.file).expect("a task")).at(0.0).expect("a scene");
     let glow = Glow::read(&args.out.join("glow.toml"), 1.5).expect("a sound file");
-    assert_eq!(glow.surfaces[0].0.as_deref(), Some("paper#2"));
+    assert_eq!(glow.surfaces[0].material.as_deref(), Some("paper#2"));
     assert_eq!(glow.paints_of(scene.scene())[..2], [None, Some(0)]);
 }
 

@@ -14,8 +14,10 @@ pub fn show(ui: &Ui, response: &Response, places: &[ImageRect], window: &mut Win
     if !window.design.is_open || window.glow().is_none() {
         return;
     }
-    if let Some(place) = &window.design.place {
-        places.iter().for_each(|image| ring(ui, image, &camera, place.spot.position));
+    let moment = window.state.time;
+    let subject = window.results.subject.as_ref();
+    if let Some(at) = subject.and_then(|subject| window.design.seen_at(&subject.animated, moment)) {
+        places.iter().for_each(|image| ring(ui, image, &camera, at));
     }
     // Another place has no key frames yet: those that are there take more than a click to lose.
     let has_keys = window.design.wish.as_ref().is_some_and(|wish| !wish.keys().is_empty());

@@ -43,8 +43,8 @@ impl Written {
             bands: Bands::Rgb,
             frames: FRAMES,
             fps: wish.light().dt().recip() as f32,
-            reflected: false,
-            spectrum: None,
+            reflected: design.reflected,
+            spectrum: design.spectrum,
             lamps: lamps(glow),
             places: vec![WantedPlace { at: place.at, keys: keys(wish) }],
             spread: None,
@@ -102,6 +102,7 @@ fn lamps(glow: &Glow) -> Vec<LampTimes> {
     let begin = glow.begin();
     let times = |schedule: &Schedule| LampTimes {
         lights: (!schedule.lights.is_empty()).then(|| schedule.lights.clone()),
+        sky: schedule.sky,
         on: schedule.on.iter().map(|times| times.map(|at| at - begin)).collect(),
     };
     glow.schedules.iter().map(times).collect()
@@ -110,19 +111,32 @@ fn lamps(glow: &Glow) -> Vec<LampTimes> {
 /// What glows, its beginning at second 0, and the materials that it names: in RGB, under any lamp.
 fn glow_files(glow: &Glow) -> (GlowFile, MaterialFile) {
     let mut materials: Vec<Material> = Vec::new();
-    for material in glow.paints().map(Paint::material) {
-        if materials.iter().all(|known| known.name != material.name) {
-            materials.push(material);
+    let mut named = |paint: &Paint| {
+        // Paints of the same name may differ: of what a file has, one was designed.
+        let names = (1..).map(|number: u32| match number {
+            1 => paint.name.clone(),
+            number => format!("{}, {number}", paint.name),
+        });
+        let mut own = names.map(|name| Material { name, ..paint.material() });
+        let is_free = |own: &Material| materials.iter().all(|known| known.name != own.name || known == own);
+        let own = own.find(is_free).expect("numbers without an end");
+        let name = own.name.clone();
+        if !materials.contains(&own) {
+            materials.push(own);
         }
-    }
-    let surface = |(material, paint): &(Option<String>, Paint)| WrittenSurface {
-        material: material.clone(),
-        paint: paint.name.clone(),
+        name
     };
+    let surfaces = glow.surfaces.iter();
+    let surfaces = surfaces.map(|surface| WrittenSurface {
+        material: surface.material.clone(),
+        paint: named(&surface.paint),
+        ..WrittenSurface::default()
+    });
+    let (surfaces, medium) = (surfaces.collect(), glow.medium.as_ref().map(&mut named));
     let file = GlowFile {
         materials: Some(PathBuf::from(MATERIALS)),
-        medium: glow.medium.as_ref().map(|paint| paint.name.clone()),
-        surfaces: glow.surfaces.iter().map(surface).collect(),
+        medium,
+        surfaces,
         lamps: lamps(glow),
         ..GlowFile::default()
     };
@@ -133,26 +147,37 @@ fn glow_files(glow: &Glow) -> (GlowFile, MaterialFile) {
 mod tests {
     use super::*;
     use deepshade_render::scene::Scene;
+    use deepshade_render::scene::glow::GlowSurface;
 
     #[test]
     fn what_glows_is_read_again_as_it_is_written() {
         let scene = Scene::default();
         let mut glow = Glow::of(&scene).clone();
-        glow.surfaces.insert(0, (Some("wall".to_owned()), glow.surfaces[0].1.clone()));
-        glow.surfaces[0].1.name = "wall, designed".to_owned();
-        glow.surfaces[0].1.states[0].decay = 0.25;
+        glow.surfaces.insert(0, GlowSurface::new(Some("wall"), glow.surfaces[0].paint.clone()));
+        glow.surfaces[0].paint.name = "wall, designed".to_owned();
+        glow.surfaces[0].paint.states[0].decay = 0.25;
         let folder = tempfile::tempdir().expect("a folder");
         let (file, materials) = glow_files(&glow);
         let written = Written { wanted: String::new(), glow: file.text(), materials: materials.text() };
         written.write(folder.path()).expect("written");
         let again = Glow::read(&folder.path().join(GLOW), 0.0).expect("read");
         assert_eq!(again.schedules[0].on, [[0.0, 1.0]], "time begins at second 0");
-        let names = |glow: &Glow| -> Vec<_> { glow.surfaces.iter().map(|(name, _)| name.clone()).collect() };
+        let names = |glow: &Glow| -> Vec<_> {
+            glow.surfaces.iter().map(|surface| surface.material.clone()).collect()
+        };
         assert_eq!(names(&again), names(&glow));
-        let states = |glow: &Glow| glow.surfaces[0].1.states[0];
+        let states = |glow: &Glow| glow.surfaces[0].paint.states[0];
         let (found, own) = (states(&again), states(&glow));
         assert_eq!((found.decay, found.excitation), (own.decay, own.excitation));
         assert!((found.emission - own.emission).abs().max_element() <= 1e-6 * own.emission.max_element());
+        // Another one of the same name stays another one.
+        glow.surfaces.push(GlowSurface::new(Some("floor"), glow.surfaces[0].paint.clone()));
+        glow.surfaces[0].paint.states[0].decay = 0.125;
+        let (file, materials) = glow_files(&glow);
+        let written = Written { wanted: String::new(), glow: file.text(), materials: materials.text() };
+        written.write(folder.path()).expect("written");
+        let again = Glow::read(&folder.path().join(GLOW), 0.0).expect("read");
+        assert_eq!([0, 2].map(|index| again.surfaces[index].paint.states[0].decay), [0.125, 0.25]);
         assert!(written.write(&folder.path().join(GLOW).join("deep")).is_err(), "the error is told");
     }
 }

@@ -5,6 +5,7 @@ use crate::phosphor::design::task::Task;
 use crate::view::design::place::{Target, tests::lit_place};
 use crate::view::subject::PreparedScene;
 use crate::view::window::Window;
+use deepshade_glow::spectrum::lights::Light;
 use deepshade_phosphor::wish::CurvePoint;
 use deepshade_render::scene::Glow;
 use deepshade_shaders::{Effect, Planes};
@@ -12,7 +13,8 @@ use eframe::egui::accesskit::Role;
 use std::sync::Arc;
 
 /// What is wanted of a place of `still-life:1`, a second after its lamp went out and later.
-const WANTED: &str = "scene = 'still-life:1'\nframes = 200\nfps = 10\n[[lamps]]\non = [[0.0, 1.0]]\n\
+const WANTED: &str = "scene = 'still-life:1'\nspectrum = 'mercury'\nframes = 200\nfps = 10\n\
+    [[lamps]]\non = [[0.0, 1.0]]\n\
     [[place]]\nat = AT\nkeys = [{ time = 2, colour = [0.01, 0.02, 0.04] }, \
     { time = 6, colour = [0.005, 0.01, 0.02] }]\n";
 
@@ -41,8 +43,9 @@ fn key_frames_are_solved_shown_and_written() {
     };
     let (glow, image) = shown(&opened);
     let name = opened.window().design.place.as_ref().map(|place| place.material.clone());
-    let paint = glow.as_ref().and_then(|glow| glow.surfaces.iter().find(|(own, _)| *own == name).cloned());
-    assert!(paint.is_some_and(|(_, paint)| (f64::from(paint.states[0].decay) - decay).abs() < 1e-6));
+    let paint =
+        glow.as_ref().and_then(|glow| glow.surfaces.iter().find(|surface| surface.material == name).cloned());
+    assert!(paint.is_some_and(|own| (f64::from(own.paint.states[0].decay) - decay).abs() < 1e-6));
     // A key that is dragged up makes it brighter.
     let window = opened.window_mut();
     let wish = window.design.wish.as_mut().expect("a wish");
@@ -60,6 +63,7 @@ fn key_frames_are_solved_shown_and_written() {
     opened.wait("files", Window::is_idle);
     let task = Task::read(&opened.path("design-1/wanted.toml")).expect("a task");
     assert_eq!((task.places[0].keys.len(), task.places[0].keys[1].time), (2, 6.0));
+    assert_eq!((task.spectrum, task.reflected), (Some(Light::Mercury), false), "as the file has it");
     let again = Glow::read(&opened.path("design-1/glow.toml"), 1.0).expect("what glows");
     assert_eq!(again.surfaces.len(), dragged.expect("designed").surfaces.len());
 }

@@ -8,7 +8,9 @@ use crate::view::file_worker::FileTask;
 use crate::view::saved::free;
 use deepshade_glow::paint::Paint;
 use deepshade_phosphor::wish::{Answer, WishError};
-use deepshade_render::scene::Glow;
+use deepshade_render::scene::glow::{GlowSurface, PaintTextures};
+use deepshade_render::scene::{Glow, Scene};
+use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -35,11 +37,15 @@ impl Window {
             target: target.clone(),
             lights: subject.lights(self.state.lights.as_deref()),
             seconds: self.design.seconds_of(glow),
+            spectrum: self.design.spectrum,
+            reflected: self.design.reflected,
         };
         if self.design.asked.as_ref() == Some(&asked) {
             return;
         }
-        let request = Request { subject: Arc::clone(subject), time: self.state.time, asked: asked.clone() };
+        let eye = self.state.controller.map_or(Vec3::ZERO, |controller| controller.camera.position);
+        let (subject, time) = (Arc::clone(subject), self.state.time);
+        let request = Request { subject, time, eye, asked: asked.clone() };
         self.workers.place.put(request);
         self.design.asked = Some(asked);
     }
@@ -67,7 +73,7 @@ impl Window {
         let is_new = self.design.place.as_ref().is_none_or(|before| before.spot != place.spot);
         let before = self.design.glow_before.as_ref().filter(|_| !is_new).unwrap_or(&glow);
         let number = before.paints_of(&subject.animated.scene).get(place.spot.material).copied().flatten();
-        let material = number.map(|number| before.surfaces[number].1.material());
+        let material = number.map(|number| before.surfaces[number].paint.material());
         asked.target = Target::Spot(place.spot.clone());
         (self.design.target, self.design.asked) = (Some(asked.target.clone()), Some(asked));
         if is_new {
@@ -79,7 +85,9 @@ impl Window {
 
     /// Finds the material that comes closest to the key frames, and shows it.
     pub fn solve(&mut self) {
-        let GlowDesign { place: Some(place), wish: Some(wish), states, glow_before, .. } = &mut self.design
+        let Some(subject) = &self.results.subject else { return };
+        let GlowDesign { place: Some(place), wish: Some(wish), states, glow_before, spectrum, .. } =
+            &mut self.design
         else {
             return;
         };
@@ -88,7 +96,12 @@ impl Window {
         let milliseconds = 1e3 * began.elapsed().as_secs_f64();
         wish.fit(answer.as_ref().map_or(&[], |answer| &answer.reached));
         let glow = glow_before.as_ref().map(|before| match &answer {
-            Ok(answer) => repainted(before, &place.material, answer),
+            Ok(answer) => {
+                let paint = Paint::new(&answer.design.material, *spectrum);
+                paint.map(|paint| {
+                    Arc::new(repainted(before, &subject.animated.scene, place.spot.material, paint))
+                })
+            }
             Err(_) => Ok(Arc::clone(before)),
         });
         self.design.answer = Some((answer, milliseconds)).filter(|(answer, _)| !is_empty(answer));
@@ -115,18 +128,58 @@ impl Window {
     }
 }
 
-/// What glows with a material as it was found.
-fn repainted(before: &Glow, material: &str, answer: &Answer) -> Result<Arc<Glow>, String> {
-    let paint = Paint::new(&answer.design.material, None)?;
+/// What glows with another paint of one of a scene's materials. Others that shared its entry keep what they
+/// had: several may be called alike.
+fn repainted(before: &Glow, scene: &Scene, material: usize, paint: Paint) -> Glow {
+    let (names, paints) = (scene.material_names(), before.paints_of(scene));
     let mut glow = before.clone();
-    match glow.surfaces.iter_mut().find(|(name, _)| name.as_deref() == Some(material)) {
-        Some((_, own)) => *own = paint,
-        None => glow.surfaces.push((Some(material.to_owned()), paint)),
-    }
-    Ok(Arc::new(glow))
+    let textures =
+        paints[material].map_or_else(PaintTextures::default, |own| before.surfaces[own].textures.clone());
+    let name = Some(names[material].clone());
+    let Some(entry) = before.surfaces.iter().position(|surface| surface.material == name) else {
+        glow.surfaces.push(GlowSurface { material: name, paint, textures });
+        return glow;
+    };
+    let shares = |(other, own): &(usize, Option<usize>)| *other != material && *own == Some(entry);
+    let others = paints.into_iter().enumerate().filter(shares);
+    let others = others.map(|(other, _)| GlowSurface {
+        material: Some(names[other].clone()),
+        ..before.surfaces[entry].clone()
+    });
+    glow.surfaces.extend(others);
+    glow.surfaces[entry].paint = paint;
+    glow
 }
 
 /// Whether nothing was wanted.
 const fn is_empty(answer: &Result<Answer, WishError>) -> bool {
     matches!(answer, Err(WishError::NoKeys))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade_render::scene::Material;
+
+    #[test]
+    fn one_of_several_materials_called_alike_gets_a_design_of_its_own() {
+        let named = |name| Material::matte(name, Vec3::ONE);
+        let scene =
+            Scene { materials: vec![named("paint"), named("wall"), named("paint")], ..Scene::default() };
+        let mut before = Glow::of(&scene).clone();
+        let of_all = Paint { name: "all".to_owned(), ..before.surfaces[0].paint.clone() };
+        before.surfaces.insert(0, GlowSurface::new(Some("paint"), of_all));
+        let designed = Paint { name: "designed".to_owned(), ..before.surfaces[0].paint.clone() };
+        for (material, expected) in [
+            (0, ["designed", "blue", "all"]),
+            (1, ["all", "designed", "all"]),
+            (2, ["all", "blue", "designed"]),
+        ] {
+            let glow = repainted(&before, &scene, material, designed.clone());
+            let paints = glow.paints_of(&scene).into_iter();
+            let names: Vec<_> =
+                paints.map(|paint| glow.surfaces[paint.expect("one")].paint.name.clone()).collect();
+            assert_eq!(names, expected);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use deepshade_glow::file::MaterialFile;
 use deepshade_glow::paint::Paint;
-use deepshade_render::scene::glow::{Glow, Schedule, Start};
+use deepshade_render::scene::glow::{Glow, GlowSurface, Schedule, Start};
 use deepshade_render::scene::{Camera, Light, Material, MaterialId, Mesh, Scene};
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
@@ -30,12 +30,12 @@ pub fn room(intensity: f32, all: bool, on: Vec<[f32; 2]>) -> Result<(Scene, Came
     };
     let mut surfaces = Vec::new();
     for (name, _) in KEEPING {
-        surfaces.push((Some(name.to_owned()), paint(name)?));
+        surfaces.push(GlowSurface::new(Some(name), paint(name)?));
     }
     if all {
-        surfaces.push((None, paint("blue")?));
+        surfaces.push(GlowSurface::new(None, paint("blue")?));
     }
-    let schedules = vec![Schedule { lights: Vec::new(), on }];
+    let schedules = vec![Schedule { on, ..Schedule::default() }];
     let glow = Glow { surfaces, medium: None, schedules, start: Start::Share(0.0), moment: OFF };
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
     let sides = [([z, x, -y], 0), ([x, z, y], 0), ([x, y, -z], 0), ([y, z, -x], 1), ([z, y, x], 2)];

@@ -79,7 +79,7 @@ fn what_was_kept_fades_from_frame_to_frame_by_the_closed_form() {
         render(Effect::Phosphor, &shot, Sampling::one(1, 1)).mean
     };
     assert!(image(0).data().iter().all(|value| *value == 0.0), "nothing has shone yet");
-    let decay = Glow::of(frames[1].2.scene()).surfaces[0].1.states[0].decay;
+    let decay = Glow::of(frames[1].2.scene()).surfaces[0].paint.states[0].decay;
     for number in [1, 2] {
         let (before, after) = (image(number), image(number + 1));
         let brightest = before.data().iter().copied().fold(0.0, f32::max);

@@ -299,7 +299,7 @@ fn shines(scene: &TracedScene, patches: &[Patch], filled: Filled) -> Option<Vec<
 /// The cells, of such an edge, of a medium that gives back light that it kept.
 fn cells(scene: &TracedScene, edge: f32, filled: Filled) -> Option<PlainCells<'_>> {
     let gives_back = filled.shines(scene.scene()).medium_gives_back;
-    gives_back.then(|| PlainCells::new(scene, &Afterglow::new(scene), edge)).flatten()
+    gives_back.then(|| PlainCells::new(scene, &Afterglow::new(scene).by_lamps(), edge)).flatten()
 }
 
 /// The surfels of a scene, as many as cells of such an edge want, with their light.

@@ -113,7 +113,7 @@ impl Cells {
     pub fn steps(&self, device: &Device, world: &World, euler: u32) -> Result<Vec<MethodStep>, GpuError> {
         let glow = &world.glow;
         let own =
-            [("LIGHTS", world.gpu_lights.count as u32), paint(glow.glow()), ("MEDIUM", world.medium.kind)];
+            [("LIGHTS", world.gpu_lights.charging as u32), paint(glow.glow()), ("MEDIUM", world.medium.kind)];
         let constants = [&glow.constants()[..], &own].concat();
         let sampler = shadow_sampler(device);
         let first = [&glow.paints, &self.record, &glow.since].map(|buffer| buffer.as_entire_binding());

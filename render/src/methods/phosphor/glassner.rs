@@ -10,7 +10,7 @@
 //! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root
 //! of the samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a
 //! sequence it is taken as it is now, at every moment of the past: shadow maps of frames gone by are not
-//! kept. Surfaces are seen as if no medium were before them, and what it keeps itself is not shown.
+//! kept. It takes paints as alike everywhere, whatever their textures. Surfaces are seen as if no medium were before them, and what it keeps itself is not shown.
 
 use super::passes::Finding;
 use super::reference::{found, image};
@@ -90,7 +90,7 @@ impl Technique for GlassnerParameters {
 
 /// The plain version's image.
 fn shaded(scene: &TracedScene, view: &View, parameters: GlassnerParameters) -> Vec<f32> {
-    let (afterglow, glow) = (Afterglow::new(scene), Glow::of(scene.scene()));
+    let (afterglow, glow) = (Afterglow::new(scene).by_lamps(), Glow::of(scene.scene()));
     let states = glow.most_states() as u32;
     let paints = glow.paints_of(scene.scene());
     image(view, |at| {
@@ -104,7 +104,7 @@ fn shaded(scene: &TracedScene, view: &View, parameters: GlassnerParameters) -> V
                 |sample: u32| random(at.x as u32, at.y as u32, view.seed, sample * states + index as u32);
             state.emission * share(state, glow.before(), &past, (0..parameters.samples).map(number))
         };
-        Some(glow.surfaces[paint].1.states.iter().enumerate().map(of_state).sum())
+        Some(glow.surfaces[paint].paint.states.iter().enumerate().map(of_state).sum())
     })
 }
 

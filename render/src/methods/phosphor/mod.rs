@@ -19,9 +19,10 @@
 //! Why it: cost does not grow with time, strong light saturates, what moves takes its light along. Why not:
 //! light is kept only where texels are; what the camera never looks at costs as much as what it sees.
 //!
-//! Limits. Lamps without an extent excite, as they are at a frame's end; light by detours does not. Texels
-//! are as many as the mesh's area asks for, where it is largest of some poses of an animation, and slivers
-//! have more.
+//! Limits. Lamps without an extent excite, as they are at a frame's end, and [lamps that stand for the
+//! environment](crate::scene::glow::SKY_LAMPS); light of emissive surfaces and by detours does not. What
+//! places have of a paint is told texel by texel. Texels are as many as the mesh's area asks for, where it is
+//! largest of some poses of an animation, and slivers have more.
 
 pub(crate) mod cells;
 pub mod glassner;

@@ -36,9 +36,9 @@ impl Finding {
         let nodes: u32 = levels.iter().map(|level| level.nodes).sum();
         let pixels = gbuffer.height() * gbuffer.width();
         // A binding holds at least one.
-        let (mut tiles, mut owners) = (all.tiles.clone(), all.owners());
+        let (mut tiles, mut owners) = (all.tiles.clone(), all.owners(world.scene()));
         tiles.resize(tiles.len().max(1), bytemuck::Zeroable::zeroed());
-        owners.resize(owners.len().max(1), 0);
+        owners.resize(owners.len().max(world.glow.words().1 as usize), 0);
         Ok(Self {
             tiles: gpu::storage(device, "phosphor.tiles", &tiles)?,
             owners: gpu::storage(device, "phosphor.owners", &owners)?,
@@ -137,10 +137,10 @@ impl Finding {
         image: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let glow = &world.glow;
-        let constants = [("STATES", glow.states() as u32), glow.paint_states()];
+        let constants = [("STATES", glow.states() as u32), glow.paint_states(), glow.words()];
         let pass = device.pass(Shader::at("methods/phosphor/show"), &constants)?;
         let pixels = (self.found.size() / 16) as usize;
-        let reads = [&glow.paints, &self.tiles, &self.found, states];
+        let reads = [&glow.paints, &self.tiles, &self.owners, &self.found, states];
         MethodStep::bind(device, &pass, groups(pixels), &reads, &[image])
     }
 

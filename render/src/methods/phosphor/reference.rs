@@ -2,7 +2,7 @@
 
 use super::RateEquationParameters;
 use super::cells::{PlainCells, edge};
-use super::tile::{Tiles, texel_weights, texels_around};
+use super::tile::{Tiles, texel_weights, texels_around, weights_of};
 use crate::bvh::{Hit, TracedScene};
 use crate::methods::picture::every_pixel;
 use crate::path::phosphor::Afterglow;
@@ -19,7 +19,7 @@ use std::collections::HashMap;
 /// States of all texels, `[texels, states]`, and the image, `[3, height, width]`.
 pub fn shade(scene: &TracedScene, view: &View, parameters: RateEquationParameters) -> Written {
     let tiles = Tiles::new(&scene.scene().clone().into(), &draws_of(scene.scene()), parameters.texels);
-    let afterglow = Afterglow::new(scene).by(Steps::of(parameters.euler));
+    let afterglow = Afterglow::new(scene).by_lamps().by(Steps::of(parameters.euler));
     let shares = shares(&afterglow, &tiles);
     let cells = PlainCells::new(scene, &afterglow, edge(scene.scene(), parameters.texels));
     let glow = Glow::of(scene.scene());
@@ -29,12 +29,12 @@ pub fn shade(scene: &TracedScene, view: &View, parameters: RateEquationParameter
         tiles.origins.iter().enumerate().map(|(index, origin)| (*origin, index)).collect();
     let sent = |found: &Found| {
         let tile = &tiles.tiles[*index.get(&[found.mesh, found.triangle])?];
-        let mut mixed = [0.0; MOST_STATES];
-        for (texel, weight) in texels_around(tile.divisions, found.place) {
-            let shares = &shares[tile.first as usize + texel];
-            mixed.iter_mut().zip(shares).for_each(|(mixed, share)| *mixed += weight * share);
-        }
-        Some(glow.surfaces[tile.paint as usize].1.emission(&mixed))
+        let (mesh, triangle) = (found.mesh as usize, found.triangle as usize);
+        let of_texel = |(texel, weight): (usize, f32)| {
+            let paint = afterglow.paint_at(mesh, triangle, weights_of(tile.divisions, texel))?;
+            Some(weight * paint.emission(&shares[tile.first as usize + texel]))
+        };
+        Some(texels_around(tile.divisions, found.place).into_iter().filter_map(of_texel).sum())
     };
     let image = image(view, |at| {
         let found = found(scene, view, at);

@@ -2,6 +2,8 @@
 
 mod kept_light;
 mod limits;
+mod sky;
+mod textures;
 
 use super::glassner::GlassnerParameters as Moments;
 use super::*;
@@ -71,7 +73,8 @@ fn camera() -> Camera {
 fn room() -> (TracedScene, View, GBuffer) {
     let mut glow = glow(&[0.7, 0.1], &[[0.5, 2.0]], 3.0);
     glow.start = Start::Share(0.1);
-    glow.schedules.insert(0, crate::scene::glow::Schedule { lights: vec![1], on: vec![[0.0, 2.5]] });
+    glow.schedules
+        .insert(0, crate::scene::glow::Schedule { lights: vec![1], sky: false, on: vec![[0.0, 2.5]] });
     let lights = vec![lamp(Vec3::new(1.5, 1.5, 1.5), 6.0), lamp(Vec3::new(-1.7, 2.2, 0.4), 9.0)];
     seen(scene(vec![floor(), wall()], lights, glow), camera(), [37, 53])
 }
@@ -403,7 +406,7 @@ fn nothing_glows_without_paint_or_lamps() {
     let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(30));
     let lit = || vec![lamp(Vec3::Y, 5.0)];
     let mut unpainted = glow(&[0.3], &[[0.0, 9.0]], 1.0);
-    unpainted.surfaces[0].0 = Some("no such material".to_owned());
+    unpainted.surfaces[0].material = Some("no such material".to_owned());
     for (lights, glow) in [(lit(), unpainted), (vec![], glow(&[0.3], &[[0.0, 9.0]], 1.0))] {
         let room = seen(scene(vec![floor()], lights, glow), camera(), [9, 11]);
         assert!(shaded(&method, &room).data().iter().all(|value| *value == 0.0));
@@ -416,7 +419,7 @@ fn each_material_has_its_own_paint() {
     let gpu = gpu();
     let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(60));
     let mut of_wall = glow(&[0.3], &[[0.0, 9.0]], 1.0);
-    of_wall.surfaces[0].0 = Some("wall".to_owned());
+    of_wall.surfaces[0].material = Some("wall".to_owned());
     let (scene, view, _) =
         seen(scene(vec![floor(), wall()], vec![lamp(Vec3::Y, 5.0)], of_wall), camera(), [37, 53]);
     let gbuffer = gbuffer::render(&scene, &view.camera, 37, 53, ATTRIBUTES);

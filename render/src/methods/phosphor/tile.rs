@@ -4,6 +4,7 @@
 
 use crate::gbuffer::OBJECT_IDS;
 use crate::raster::geometry::Draw;
+use crate::raster::glow::keeper_words;
 use crate::raster::patches::morton;
 use crate::scene::{AnimatedScene, Glow, Scene};
 use deepshade_shaders::wgsl::uniforms::GlowTile;
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 /// Most texels of a scene, and most states of all of them; where there were more, all are farther apart. A
 /// state is two numbers, and software Vulkan binds 128 MB at once.
 const MOST_TEXELS: usize = 1 << 23;
+const MOST_TEXTURED_TEXELS: usize = MOST_TEXELS / 2;
 const MOST_STATES_OF_ALL: usize = 1 << 24;
 
 /// Most steps along an edge: square roots of their numbers are exact enough in 32 bits.
@@ -53,7 +55,8 @@ impl Tiles {
             tiles.par_iter().map(|(_, _, _, longest)| texels_of(divisions(*longest, spacing))).sum()
         };
         let states = Glow::of(scene).most_states();
-        let most = MOST_TEXELS.min(MOST_STATES_OF_ALL / states).max(3 * tiles.len());
+        let room = if Glow::of(scene).has_textures() { MOST_TEXTURED_TEXELS } else { MOST_TEXELS };
+        let most = room.min(MOST_STATES_OF_ALL / states).max(3 * tiles.len());
         while count(spacing) > most {
             spacing *= 1.25;
         }
@@ -66,11 +69,19 @@ impl Tiles {
         Self { tiles: tiles.into_iter().map(|(_, tile, ..)| tile).collect(), origins, texels: first }
     }
 
-    /// The tile of each texel.
-    pub fn owners(&self) -> Vec<u32> {
-        let of_tile =
-            |(index, tile): (usize, &GlowTile)| std::iter::repeat_n(index as u32, texels_of(tile.divisions));
-        self.tiles.iter().enumerate().flat_map(of_tile).collect()
+    /// The tile of each texel, and what the texel has of its paint's numbers where any paint has textures:
+    /// [`keeper_words`] numbers each.
+    pub fn owners(&self, scene: &Scene) -> Vec<u32> {
+        let glow = Glow::of(scene);
+        let of_tile = |(index, (tile, [mesh, triangle])): (usize, (&GlowTile, &[u32; 2]))| {
+            let (mesh, surface) = (&scene.meshes[*mesh as usize], &glow.surfaces[tile.paint as usize]);
+            let of_texel = |weights| {
+                let factors = move || surface.textures.factors(mesh, *triangle as usize, weights);
+                keeper_words(glow, index as u32, factors)
+            };
+            texel_weights(tile.divisions).flat_map(of_texel).collect::<Vec<_>>()
+        };
+        self.tiles.par_iter().zip(&self.origins).enumerate().flat_map_iter(of_tile).collect()
     }
 }
 
@@ -135,13 +146,23 @@ fn drawn_in(divisions: u32) -> f32 {
 
 /// The weights of a tile's corners at each of its texels, in order.
 pub fn texel_weights(divisions: u32) -> impl Iterator<Item = [f32; 3]> {
+    (0..=divisions)
+        .flat_map(move |row| (0..=divisions - row).map(move |column| lattice(divisions, row, column)))
+}
+
+/// The same at one of them.
+pub fn weights_of(divisions: u32, texel: usize) -> [f32; 3] {
+    let texel = texel as u32;
+    let row = (0..=divisions).rev().find(|row| row_start(*row, divisions) <= texel).unwrap_or(0);
+    lattice(divisions, row, texel - row_start(row, divisions))
+}
+
+/// The weights of a tile's corners at a place of its lattice.
+fn lattice(divisions: u32, row: u32, column: u32) -> [f32; 3] {
     let inwards = drawn_in(divisions);
-    let weights = move |row: u32, column: u32| {
-        let place = Vec2::new(column as f32, row as f32) / divisions as f32;
-        let Vec2 { x, y } = place * (1.0 - inwards) + inwards / 3.0;
-        [1.0 - x - y, x, y]
-    };
-    (0..=divisions).flat_map(move |row| (0..=divisions - row).map(move |column| weights(row, column)))
+    let place = Vec2::new(column as f32, row as f32) / divisions as f32;
+    let Vec2 { x, y } = place * (1.0 - inwards) + inwards / 3.0;
+    [1.0 - x - y, x, y]
 }
 
 /// The texels around a place in a tile, from its first on; `place` are the weights of its second and third
@@ -175,6 +196,8 @@ mod tests {
         for divisions in [1, 2, 7, 40] {
             let weights: Vec<[f32; 3]> = texel_weights(divisions).collect();
             assert_eq!(weights.len(), texels_of(divisions));
+            let one_by_one = (0..weights.len()).map(|texel| weights_of(divisions, texel));
+            assert!(one_by_one.eq(weights.iter().copied()));
             let nearest = weights.iter().flatten().copied().fold(1.0, f32::min);
             let step = (1.0 - drawn_in(divisions)) / divisions as f32;
             assert!((nearest - 0.5 * step).abs() < 1e-6, "half a step from the edge: {nearest}");
@@ -223,10 +246,10 @@ mod tests {
             let longest = longest_edge(scene.meshes[*mesh as usize].corners(*triangle as usize));
             assert!(longest / tile.divisions as f32 <= spacing * 1.001);
         }
-        assert_eq!(fine.owners().len(), fine.texels);
+        assert_eq!(fine.owners(&scene).len(), fine.texels);
         assert!(tiles(&scene, 1 << 20).texels <= MOST_TEXELS);
         let mut none = glow(&[1.0], &[], 0.0);
-        none.surfaces[0].0 = Some("no such material".to_owned());
+        none.surfaces[0].material = Some("no such material".to_owned());
         scene.glow = Some(Arc::new(none));
         assert_eq!(tiles(&scene, 100).texels, 0);
     }

@@ -1,22 +1,28 @@
 //! The excited shares of surfaces at any point, by the light of lamps in all of the past.
 
+use super::sky::Sky;
 use crate::bvh::{Hit, TracedScene, corner_weights};
 use crate::intersection::{Start, blended};
 use crate::path::lights::Arrival;
+use crate::sampler::Stream;
 use crate::scene::glow::{FOR_LONG, Piece};
 use crate::scene::{Glow, Mesh};
 use deepshade_glow::paint::{LightInterval, MOST_STATES, Paint, Steps};
 use glam::Vec3;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// What a scene's surfaces give back at a moment.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Afterglow<'a> {
     pub(super) scene: &'a TracedScene,
     pub(super) glow: &'a Glow,
     /// Of each material.
-    paints: Vec<Option<usize>>,
+    paints: Arc<[Option<usize>]>,
     /// Poses of the past, with the time for which each stands, cut where lamps are switched.
-    past: Vec<(&'a TracedScene, Vec<Piece>)>,
+    past: Arc<[(&'a TracedScene, Vec<Piece>)]>,
+    /// The environment, where anything keeps its light.
+    sky: Option<Sky<'a>>,
     steps: Steps,
 }
 
@@ -58,8 +64,9 @@ impl<'a> Afterglow<'a> {
         Self {
             scene,
             glow,
-            paints: glow.paints_of(scene.scene()),
-            past: poses(scene, glow),
+            paints: glow.paints_of(scene.scene()).into(),
+            past: poses(scene, glow).into(),
+            sky: Sky::of(scene.scene(), glow),
             steps: Steps::EXACT,
         }
     }
@@ -68,6 +75,25 @@ impl<'a> Afterglow<'a> {
     #[must_use]
     pub fn by(self, steps: Steps) -> Self {
         Self { steps, ..self }
+    }
+
+    /// The same by the lamps that stand for the environment in methods.
+    #[must_use]
+    pub fn by_lamps(self) -> Self {
+        Self { sky: self.sky.map(Sky::by_lamps), ..self }
+    }
+
+    /// One sample of it, of many: with the environment from few directions, each time others.
+    pub fn sampled(&self, stream: &mut Stream) -> Cow<'_, Self> {
+        match &self.sky {
+            Some(sky) => Cow::Owned(Self { sky: Some(sky.sampled(stream.next_2d())), ..self.clone() }),
+            None => Cow::Borrowed(self),
+        }
+    }
+
+    /// Whether samples differ.
+    pub const fn varies(&self) -> bool {
+        self.sky.is_some()
     }
 
     /// Excited shares of a paint after all that happened.
@@ -95,9 +121,8 @@ impl<'a> Afterglow<'a> {
         if place.geometric_normal == Vec3::ZERO {
             return received;
         }
-        let scene = traced.scene();
-        for (index, light) in scene.lights.iter().enumerate() {
-            let Arrival { direction, distance, irradiance } = Arrival::new(scene, light, place.position);
+        for (schedule, arrival) in self.arrivals(traced, place.position) {
+            let Arrival { direction, distance, irradiance } = arrival;
             let side = place.geometric_normal.dot(direction).signum();
             let cosine = side * place.normal.dot(direction);
             let is_behind = eye.is_some_and(|eye| side * place.geometric_normal.dot(eye) <= 0.0);
@@ -107,18 +132,51 @@ impl<'a> Afterglow<'a> {
             let origin = place.start.above(side * place.geometric_normal);
             let shown =
                 traced.let_through(origin, direction, distance) * passed(traced, origin, direction, distance);
-            received[self.glow.schedule_of(index)] += irradiance * cosine * shown;
+            received[schedule] += irradiance * cosine * shown;
         }
         received
     }
 
+    /// What would arrive at a point if nothing were in between, of each lamp and of the environment, with the
+    /// schedule that it follows.
+    fn arrivals(&self, traced: &TracedScene, point: Vec3) -> impl Iterator<Item = (usize, Arrival)> {
+        let scene = traced.scene();
+        let lamps = scene.lights.iter().enumerate();
+        let lamps = lamps
+            .map(move |(index, light)| (self.glow.schedule_of(index), Arrival::new(scene, light, point)));
+        lamps
+            .chain(self.sky.iter().flat_map(|sky| sky.arrivals().map(move |arrival| (sky.schedule, arrival))))
+    }
+
     /// The light that a point of a mesh got, from the beginning on.
     pub fn history(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Vec<LightInterval> {
+        self.history_on((mesh, triangle), weights, None)
+    }
+
+    /// The same on the side that is seen from somewhere, metres.
+    pub fn history_seen_from(
+        &self,
+        eye: Vec3,
+        (mesh, triangle): (usize, usize),
+        weights: [f32; 3],
+    ) -> Vec<LightInterval> {
+        self.history_on((mesh, triangle), weights, Some(eye))
+    }
+
+    fn history_on(
+        &self,
+        (mesh, triangle): (usize, usize),
+        weights: [f32; 3],
+        eye: Option<Vec3>,
+    ) -> Vec<LightInterval> {
         let mut history = Vec::new();
-        for (pose, pieces) in &self.past {
+        for (pose, pieces) in self.past.iter() {
             let shines = pieces.iter().any(|piece| piece.on.contains(&true));
-            let place = || ReceivingPoint::new(&pose.scene().meshes[mesh], triangle, weights);
-            let received = if shines { self.irradiance_in(pose, &place(), None) } else { Vec::new() };
+            let received = || {
+                let place = ReceivingPoint::new(&pose.scene().meshes[mesh], triangle, weights);
+                self.irradiance_in(pose, &place, eye.map(|eye| eye - place.position))
+            };
+            let received = if shines { received() } else { Vec::new() };
             let lit =
                 |piece: &Piece| LightInterval { seconds: piece.seconds, irradiance: piece.light(&received) };
             history.extend(pieces.iter().map(lit));
@@ -128,17 +186,22 @@ impl<'a> Afterglow<'a> {
 
     /// The excited share of each state at a point of a mesh; nothing where it keeps no light.
     pub fn shares(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Option<[f32; MOST_STATES]> {
-        let material = self.scene.scene().meshes[mesh].material;
-        let paint = self.paints[material.0 as usize]?;
-        let history = self.history(mesh, triangle, weights);
-        Some(self.after(&self.glow.surfaces[paint].1, history))
+        let paint = self.paint_at(mesh, triangle, weights)?;
+        Some(self.after(&paint, self.history(mesh, triangle, weights)))
+    }
+
+    /// The paint at a point of a mesh; none where it keeps no light.
+    pub fn paint_at(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Option<Cow<'a, Paint>> {
+        let mesh = &self.scene.scene().meshes[mesh];
+        let surface = &self.glow.surfaces[self.paints[mesh.material.0 as usize]?];
+        Some(surface.paint_at(mesh, triangle, weights))
     }
 
     /// The excited share of each state at a point of the medium, whose paint it has: what excites it is all
     /// direct light that goes through there.
     pub fn shares_in_medium(&self, point: Vec3, paint: &Paint) -> [f32; MOST_STATES] {
         let mut history = Vec::new();
-        for (pose, pieces) in &self.past {
+        for (pose, pieces) in self.past.iter() {
             let shines = pieces.iter().any(|piece| piece.on.contains(&true));
             let received = if shines { self.fluence_in(pose, point) } else { Vec::new() };
             let lit =
@@ -151,12 +214,10 @@ impl<'a> Afterglow<'a> {
     /// What of the lamps of each schedule goes through a point, whatever its direction.
     fn fluence_in(&self, traced: &TracedScene, point: Vec3) -> Vec<Vec3> {
         let mut received = vec![Vec3::ZERO; self.glow.schedules.len()];
-        let scene = traced.scene();
-        for (index, light) in scene.lights.iter().enumerate() {
-            let Arrival { direction, distance, irradiance } = Arrival::new(scene, light, point);
+        for (schedule, Arrival { direction, distance, irradiance }) in self.arrivals(traced, point) {
             let shown =
                 traced.let_through(point, direction, distance) * passed(traced, point, direction, distance);
-            received[self.glow.schedule_of(index)] += irradiance * shown;
+            received[schedule] += irradiance * shown;
         }
         received
     }
@@ -168,9 +229,8 @@ impl<'a> Afterglow<'a> {
 
     /// The radiance that a point of a mesh gives back.
     pub fn emission_at(&self, mesh: usize, triangle: usize, weights: [f32; 3]) -> Vec3 {
-        let shares = self.shares(mesh, triangle, weights);
-        let paint = self.paints[self.scene.scene().meshes[mesh].material.0 as usize];
-        paint.zip(shares).map_or(Vec3::ZERO, |(paint, shares)| self.glow.surfaces[paint].1.emission(&shares))
+        let Some(paint) = self.paint_at(mesh, triangle, weights) else { return Vec3::ZERO };
+        paint.emission(&self.after(&paint, self.history(mesh, triangle, weights)))
     }
 }
 

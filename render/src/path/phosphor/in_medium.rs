@@ -85,7 +85,7 @@ mod tests {
     fn wall_in_fog(scatters: bool) -> TracedScene {
         let mut full = glow(&[0.3], &[], 0.0);
         full.start = Start::Share(1.0);
-        full.medium = full.surfaces.pop().map(|(_, paint)| paint);
+        full.medium = full.surfaces.pop().map(|surface| surface.paint);
         let density = Density::Within(Bounds { min: Vec3::splat(-0.5), max: Vec3::splat(0.5) });
         let half = Vec3::splat(0.45);
         let [absorption, scattering] = if scatters { [half, half] } else { [2.0 * half, Vec3::ZERO] };

@@ -34,7 +34,7 @@ impl SurfaceEffect for KeptLight<'_> {
             return Vec3::ZERO;
         }
         let hit = self.scene.hit_by_chance(point.ray_origin(), direction, self.radius, || stream.next_1d());
-        hit.map_or(Vec3::ZERO, |hit| self.afterglow.emission(&hit))
+        hit.map_or(Vec3::ZERO, |hit| self.afterglow.sampled(stream).emission(&hit))
     }
 }
 
@@ -57,7 +57,7 @@ mod tests {
         };
         let mut full = glow(&[0.5], &[], 0.0);
         full.start = Start::Share(1.0);
-        full.surfaces[0].0 = Some("square".to_owned());
+        full.surfaces[0].material = Some("square".to_owned());
         TracedScene::new(Scene {
             meshes: vec![lying(1e-3, 0.0, 0), lying(half, height, 1)].into(),
             materials: vec![Material::default(), Material::matte("square", Vec3::ONE)],
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn a_glowing_square_sends_its_form_factor() {
         let scene = patch_below_square(1.0, 0.7);
-        let emission = scene.scene().glow.as_deref().expect("glow").surfaces[0].1.emission(&[1.0; 4]);
+        let emission = scene.scene().glow.as_deref().expect("glow").surfaces[0].paint.emission(&[1.0; 4]);
         // Howell's catalogue, B-3: as truth of `gi` is tested by.
         let ratio = 1.0 / 0.7f32;
         let root = (1.0 + ratio * ratio).sqrt();

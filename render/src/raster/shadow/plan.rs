@@ -35,9 +35,11 @@ pub struct MapPlan {
 }
 
 impl MapPlan {
-    /// Gives maps of at most `size` texels to the lights, the strongest first.
-    pub fn new(lights: &[Light], size: usize) -> Self {
-        let wanted: usize = lights.iter().map(map_count).sum();
+    /// Gives maps of at most `size` texels to the lights, the strongest first. From the light `around` on
+    /// each has one around all of the scene, wherever the camera looks.
+    pub fn new(lights: &[Light], around: usize, size: usize) -> Self {
+        let map_count = |light: usize| if light < around { map_count(&lights[light]) } else { 1 };
+        let wanted: usize = (0..lights.len()).map(map_count).sum();
         let most = |size: usize| MOST_MAPS.min(MOST_MEMORY / (4 * size * size));
         let mut size = size.max(SMALLEST);
         while most(size) < wanted && size / 2 >= SMALLEST {
@@ -47,7 +49,7 @@ impl MapPlan {
         order.sort_by(|a, b| strength(&lights[*b]).total_cmp(&strength(&lights[*a])));
         let (mut of_lights, mut maps) = (vec![None; lights.len()], 0);
         for light in order {
-            let count = map_count(&lights[light]);
+            let count = map_count(light);
             if maps + count <= most(size) {
                 of_lights[light] = Some((maps, count));
                 maps += count;
@@ -71,7 +73,8 @@ impl MapPlan {
         let mut all = vec![bytemuck::Zeroable::zeroed(); self.maps];
         for (light, maps) in lights.iter().zip(&self.of_lights) {
             let Some((first, count)) = *maps else { continue };
-            all[first..first + count].copy_from_slice(&views(light, self.size, seen));
+            let views = (0..count).map(|map| view(light, [map, count], self.size, seen));
+            all.iter_mut().skip(first).zip(views).for_each(|(view, own)| *view = own);
         }
         all
     }
@@ -90,22 +93,27 @@ pub struct CameraView {
 
 /// From where the maps of a light look, `size` texels wide each.
 pub fn views(light: &Light, size: usize, seen: CameraView) -> Vec<FrameView> {
-    (0..map_count(light)).map(|map| view(light, map, size, seen)).collect()
+    let count = map_count(light);
+    (0..count).map(|map| view(light, [map, count], size, seen)).collect()
 }
 
-fn view(light: &Light, map: usize, size: usize, seen: CameraView) -> FrameView {
+/// From where one map of so many looks.
+fn view(light: &Light, [map, count]: [usize; 2], size: usize, seen: CameraView) -> FrameView {
     let near = 1e-4 * seen.bounds.diagonal();
     // Two texels on each side for the filter.
     let wider = 1.0 + 4.0 / size as f32;
     match *light {
-        Light::Spot { position, direction, cos_outer, .. } if map_count(light) == 1 => {
+        Light::Spot { position, direction, cos_outer, .. } if count == 1 => {
             let tangent = (1.0 - cos_outer * cos_outer).max(0.0).sqrt() / cos_outer;
             square(position, looking(direction), tangent * wider, near, size)
         }
         Light::Point { position, .. } | Light::Spot { position, .. } => {
             square(position, looking(FACES[map]), wider, near, size)
         }
-        Light::Directional { direction, .. } => cascade(direction, slice(map, seen), seen.bounds, size),
+        Light::Directional { direction, .. } => {
+            // The last are the widest.
+            cascade(direction, slice(map + CASCADES - count, seen), seen.bounds, size)
+        }
     }
 }
 
@@ -192,13 +200,13 @@ mod tests {
 
     #[test]
     fn maps_shrink_before_lights_lose_their_shadows_and_the_faintest_lose_them_first() {
-        let few = MapPlan::new(&[lamp(1.0), lamp(2.0)], 1024);
+        let few = MapPlan::new(&[lamp(1.0), lamp(2.0)], 2, 1024);
         assert_eq!((few.size, few.maps, few.without_shadow()), (1024, 12, 0));
         let many: Vec<Light> = (0..40).map(|i| lamp(i as f32)).collect();
-        let many = MapPlan::new(&many, 1024);
+        let many = MapPlan::new(&many, 40, 1024);
         assert_eq!((many.size, many.maps, many.without_shadow()), (512, 240, 0));
         let crowd: Vec<Light> = (0..200).map(|i| lamp(i as f32)).collect();
-        let crowd = MapPlan::new(&crowd, 1024);
+        let crowd = MapPlan::new(&crowd, 200, 1024);
         assert_eq!((crowd.size, crowd.maps, crowd.without_shadow()), (256, 252, 158));
         assert!(crowd.of_lights[199].is_some() && crowd.of_lights[0].is_none());
     }
@@ -211,7 +219,7 @@ mod tests {
             irradiance: Vec3::ONE,
             pattern: None,
         };
-        let plan = MapPlan::new(&[sun], 512);
+        let plan = MapPlan::new(&[sun], 1, 512);
         let camera = Camera::look_at(Vec3::new(-15.0, 2.0, 3.0), Vec3::new(10.0, 1.0, 0.0));
         let seen = CameraView { camera, aspect: 1.5, bounds };
         let views = plan.views(&[sun], seen);
@@ -230,6 +238,11 @@ mod tests {
         }
         assert!(views.windows(2).all(|pair| pair[0].scale_x > pair[1].scale_x), "the first is the finest");
         let beside = Camera { position: camera.position + Vec3::new(0.013, 0.0, 0.007), ..camera };
+        let around = MapPlan::new(&[sun, sun], 1, 512);
+        let all = around.views(&[sun, sun], seen);
+        let bytes = |views: [&FrameView; 2]| views.map(|view| bytemuck::bytes_of(view).to_vec());
+        assert_eq!(around.maps, CASCADES + 1);
+        assert_eq!(bytes([&all[0], &all[4]]), bytes([&views[0], &views[3]]), "the widest alone");
         for (a, b) in views.iter().zip(plan.views(&[sun], CameraView { camera: beside, ..seen })) {
             let texel = 2.0 / (a.scale_x * a.width as f32);
             let way = Vec3::from_slice(&b.eye[..3]) - Vec3::from_slice(&a.eye[..3]);

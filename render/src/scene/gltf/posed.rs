@@ -4,7 +4,8 @@ use super::rig::{Rig, RigPart, RigPose};
 use super::vertex_transform::{VertexTransform, placed};
 use crate::scene::finish::finish;
 use crate::scene::{Mesh, Meshes};
-use glam::Mat4;
+use glam::{Mat4, Vec3};
+use std::ops::Range;
 
 impl Rig {
     /// Puts the meshes that move to where they are at `time`, seconds, with the displacements of their
@@ -15,13 +16,9 @@ impl Rig {
     pub(in crate::scene) fn put(&self, meshes: &mut Meshes, time: f32, shutter: f32) -> Result<(), String> {
         let pose = self.pose(time);
         let ends = (shutter > 0.0).then(|| [-0.5, 0.5].map(|share| self.pose(time + share * shutter)));
-        let (mut matrices, mut weights) = (0, 0);
-        for part in &self.parts {
-            let [first, target] = [matrices, weights];
-            matrices += part.matrix_count();
-            weights += part.targets.len();
+        for (part, matrices, weights) in self.placed_parts() {
             let at =
-                |pose: &RigPose| part.at(&pose.matrices[first..matrices], &pose.weights[target..weights]);
+                |pose: &RigPose| part.at(&pose.matrices[matrices.clone()], &pose.weights[weights.clone()]);
             let Some(mesh) = meshes.get_mut(part.mesh) else { continue };
             let material = mesh.material;
             *mesh = Mesh { material, ..finish(at(&pose))? };
@@ -33,6 +30,23 @@ impl Rig {
             }
         }
         Ok(())
+    }
+
+    /// The corners of a mesh's triangle where they are at `time`, seconds; none of a mesh that stays.
+    pub(in crate::scene) fn corners(&self, mesh: usize, triangle: usize, time: f32) -> Option<[Vec3; 3]> {
+        let (part, matrices, weights) = self.placed_parts().find(|(part, ..)| part.mesh == mesh)?;
+        let pose = self.pose(time);
+        Some(part.at(&pose.matrices[matrices], &pose.weights[weights]).corners(triangle))
+    }
+
+    /// All parts, each with the matrices and the morph weights of a pose that are its own.
+    fn placed_parts(&self) -> impl Iterator<Item = (&RigPart, Range<usize>, Range<usize>)> {
+        self.parts.iter().scan((0, 0), |(matrices, weights), part| {
+            let [first, target] = [*matrices, *weights];
+            *matrices += part.matrix_count();
+            *weights += part.targets.len();
+            Some((part, first..*matrices, target..*weights))
+        })
     }
 }
 

@@ -41,5 +41,5 @@ fn step_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
         let shown = lit_share(lights[i], point, arrived.direction, arrived.direction);
         irradiance[schedule_of(i)] += arrived.irradiance * shown * passed_share(point, arrived);
     }
-    move_on(cell, PAINT, &irradiance, groups.z - 1u);
+    move_on(cell, PAINT, vec4f(1.0), &irradiance, groups.z - 1u);
 }

@@ -1,5 +1,6 @@
 // What texels give back at each pixel (thesis, equation 8.3), linear between the three around it.
 
+#import shared/glow_keeper
 #import shared/glow_tile
 #import uniforms/glow_tile
 #import uniforms/paint_state
@@ -8,10 +9,12 @@
 
 @group(0) @binding(0) var<uniform> paints: array<PaintState, PAINT_STATES>;
 @group(0) @binding(1) var<storage, read> tiles: array<GlowTile>;
-@group(0) @binding(2) var<storage, read> found: array<vec4f>;
-@group(0) @binding(3) var<storage, read> states: array<f32>;
+// As step.wgsl has them.
+@group(0) @binding(2) var<storage, read> owners: array<u32>;
+@group(0) @binding(3) var<storage, read> found: array<vec4f>;
+@group(0) @binding(4) var<storage, read> states: array<f32>;
 // [3, height, width]
-@group(0) @binding(4) var<storage, read_write> image: array<f32>;
+@group(0) @binding(5) var<storage, read_write> image: array<f32>;
 
 struct Texels {
     at: vec3u,
@@ -49,9 +52,15 @@ fn show(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let tile = tiles[u32(at.x) - 1u];
         let around = texels_around(tile, at.yz);
         for (var s = 0u; s < STATES; s++) {
-            var share = 0.0;
+            var share = vec3f(0.0);
             for (var i = 0u; i < 3u; i++) {
-                share += around.weights[i] * states[around.at[i] * STATES + s];
+                let texel = around.at[i];
+                var factors = vec3f(1.0);
+                if KEEPER_WORDS > 1u {
+                    let first = texel * KEEPER_WORDS;
+                    factors = keeper_factors(owners[first + 3u], owners[first + 4u]).rgb;
+                }
+                share += around.weights[i] * states[texel * STATES + s] * factors;
             }
             sent += paints[tile.paint * STATES + s].emission.rgb * share;
         }

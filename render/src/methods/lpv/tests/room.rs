@@ -145,7 +145,7 @@ pub fn glowing(medium: Option<Medium>) -> Scene {
     scene.materials[1] = Material { name: "glows".to_owned(), ..Material::default() };
     let mut full = glow(&[1.0], &[], 0.0);
     full.start = Start::Share(1.0);
-    full.surfaces[0].0 = Some("glows".to_owned());
+    full.surfaces[0].material = Some("glows".to_owned());
     Scene { glow: Some(full.into()), ..scene }
 }
 
@@ -155,7 +155,7 @@ fn light_that_surfaces_kept_enters_fog_as_that_which_they_emit() {
     let camera = Camera::look_at(Vec3::new(-0.9, 0.4, 0.9), Vec3::new(0.3, -0.3, -0.5));
     let glows = glowing(Some(fog()));
     let mut emits = shining(true, Some(fog()));
-    let paint = &glows.glow.as_deref().expect("a paint").surfaces[0].1;
+    let paint = &glows.glow.as_deref().expect("a paint").surfaces[0].paint;
     emits.materials[1].emission = paint.emission(&[1.0; 4]);
     let images = |technique: &dyn Fn(Scene) -> Vec<f32>| [glows.clone(), emits.clone()].map(technique);
     let pixel = Pixel { medium: true, surface: false };
@@ -319,7 +319,7 @@ fn light_that_a_wall_kept_comes_to_the_others_by_their_form_factors() {
     scene.materials[1].name = "glows".to_owned();
     let mut full = glow(&[1.0], &[], 0.0);
     full.start = Start::Share(1.0);
-    full.surfaces[0].0 = Some("glows".to_owned());
+    full.surfaces[0].material = Some("glows".to_owned());
     scene.glow = Some(full.into());
     let scene = TracedScene::new(scene).expect("triangles");
     let parameters = LpvParameters { cells: 16, iterations: 64, ..FEW };

@@ -21,7 +21,7 @@ fn changed(
     by: f32,
 ) -> (TracedScene, View, GBuffer) {
     let mut glow = Glow { moment, ..Glow::of(scene.scene()).clone() };
-    glow.surfaces[0].1.states.iter_mut().for_each(|state| state.emission *= by);
+    glow.surfaces[0].paint.states.iter_mut().for_each(|state| state.emission *= by);
     let look = Look { glow: Some(Arc::new(glow)), ..scene.scene().look() };
     (scene.with_look(look).expect("a look"), *view, gbuffer.clone())
 }
@@ -87,7 +87,7 @@ fn patches_keep_light_of_what_moved_where_it_was() {
 fn a_glowing_wall_lights_the_floor_as_truth_says() {
     let gpu = gpu();
     let mut glow = glow(&[0.3], &[[0.0, 9.0]], 1.0);
-    glow.surfaces[0].0 = Some("wall".to_owned());
+    glow.surfaces[0].material = Some("wall".to_owned());
     let lit = || vec![lamp(Vec3::new(0.0, 1.0, 1.0), 5.0)];
     let room = lit_room(seen(scene(vec![floor(), wall()], lit(), glow), camera(), [37, 53]));
     let (scene, view, _) = &room;
@@ -125,7 +125,7 @@ fn kept_light_fades_as_its_state_does() {
     let gpu = gpu();
     let decay = 0.7f32;
     let mut glow = glow(&[decay], &[[0.0, 1.0]], 1.0);
-    glow.surfaces[0].0 = Some("wall".to_owned());
+    glow.surfaces[0].material = Some("wall".to_owned());
     let lit = vec![lamp(Vec3::new(0.0, 1.0, 1.0), 5.0)];
     let room = lit_room(seen(scene(vec![floor(), wall()], lit, glow), camera(), [37, 53]));
     let methods = [by_surfels(&gpu), by_rays(&gpu), by_grid(&gpu, 12)];

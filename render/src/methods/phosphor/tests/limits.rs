@@ -33,7 +33,7 @@ fn thin_fog_shines_as_in_the_plain_version() {
     let gpu = gpu();
     let method = ScreenMethod::new(&gpu, RateEquationParameters::exact(100));
     let mut kept = glow(&[0.4], &[[0.0, 1.0]], 1.5);
-    kept.medium = kept.surfaces.pop().map(|(_, paint)| paint);
+    kept.medium = kept.surfaces.pop().map(|surface| surface.paint);
     let density = Density::Within(Bounds { min: Vec3::new(-1.0, 0.1, -1.0), max: Vec3::new(1.0, 1.3, 1.0) });
     let medium = Medium::new(Vec3::ZERO, Vec3::splat(2e-5), 0.0, density).expect("a medium");
     let scene = scene(vec![floor()], vec![lamp(Vec3::new(0.1, 2.5, 0.2), 30.0)], kept);
