@@ -44,7 +44,8 @@ use subject::LpvFrame;
     deepshade-studies lpv --scene sponza.gltf --full --json lpv.json\n\n\
     In the JSON file ms_STAGE and ms_STAGE_64 are of 32 and 64 cells along the scene and eight iterations, \
     ratio_64_32 is of propagation; bytes_ratio is what propagation reads and writes at least in a second \
-    over what a copy does. relmse_NAME is the relative squared error against all light, path traced, of what \
+    over what a copy does, bytes_ratio_paper the same of the paper's on its card. \
+    relmse_NAME is the relative squared error against all light, path traced, of what \
     the paper compares: shadow_map, plain, single, marched, sum, and ours in relmse_lpv and with the paper's \
     factors, lobes and lookup in relmse_paper; light that the medium scattered once is that of \
     `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; \

@@ -5,6 +5,7 @@
 #[macro_use]
 extern crate deepshade;
 
+mod cards;
 mod crosscheck;
 #[cfg(feature = "embree")]
 mod embree;

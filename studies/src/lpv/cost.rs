@@ -1,6 +1,7 @@
 //! What each stage takes, as in the paper's Table 1.
 
 use super::subject::LpvFrame;
+use crate::cards::{GTX_480, Timed};
 use crate::stages::{Cost, Stage};
 use anyhow::Result;
 use deepshade::shared::figures::Figures;
@@ -22,12 +23,17 @@ const SCALE: usize = 2;
 const BYTES: u64 = 2 * (144 + 16) + 2 * SHOWN + 16 + 48;
 /// Of these, what is shown.
 const SHOWN: u64 = 96;
+/// The paper's milliseconds of propagation in cubes of as many cells along an edge (Table 1), on a GTX 480.
+const PAPER: [f64; 2] = [1.49, 12.3];
+/// Bytes that its iteration reads and writes of a cell at least: four numbers of three colours in both
+/// directions, and what is summed up likewise.
+const PAPER_BYTES: u64 = 2 * (48 + 48);
 
 /// Costs of both grids.
 pub struct Costs {
     of_grids: Vec<(&'static str, Cost)>,
-    /// Bytes a second of propagation in the finer grid, and of a copy.
-    bytes: [f64; 2],
+    /// Of both, bytes that propagation moves at least over those that a copy does meanwhile.
+    shares: Vec<f64>,
 }
 
 impl Costs {
@@ -37,8 +43,8 @@ impl Costs {
     /// If the device fails.
     pub fn of(subject: &LpvFrame<'_>, runs: usize) -> Result<Self> {
         let Gpu { device, queue, .. } = subject.gpu;
-        let mut of_grids = Vec::new();
-        let mut moved = 0.0;
+        let at_best = gpu::ceilings(device, queue)?;
+        let (mut of_grids, mut shares) = (Vec::new(), Vec::new());
         for (cells, suffix) in GRIDS {
             let passes = subject.passes(LpvParameters {
                 cells,
@@ -49,11 +55,11 @@ impl Costs {
                 scheme: Scheme::OURS,
             })?;
             let cost = Cost::of(subject.gpu, &passes, runs)?;
-            moved = bytes(&passes) as f64 / (1e-3 * cost.of_stage(Stage::Propagate));
+            let propagation = Timed { milliseconds: cost.of_stage(Stage::Propagate), at_best };
+            shares.push(propagation.share_of_copy(bytes(&passes) as f64));
             of_grids.push((suffix, cost));
         }
-        let copied = gpu::ceilings(device, queue)?.copy;
-        Ok(Self { of_grids, bytes: [moved, copied] })
+        Ok(Self { of_grids, shares })
     }
 
     /// Propagation in the finer grid over that in the coarser one.
@@ -71,7 +77,8 @@ impl Costs {
             figures.set(&format!("ms_total{suffix}"), cost.total);
         }
         figures.set("ratio_64_32", self.ratio());
-        figures.set("bytes_ratio", self.bytes[0] / self.bytes[1]);
+        figures.set("bytes_ratio", self.shares[1]);
+        figures.set("bytes_ratio_paper", paper_shares()[1]);
     }
 
     /// Rows of a table.
@@ -81,15 +88,52 @@ impl Costs {
             let of = |(_, cost): &(_, Cost)| format!("{:.2}", cost.of_stage(*stage));
             rows.push(std::iter::once(stage.name().to_owned()).chain(self.of_grids.iter().map(of)).collect());
         }
-        let [moved, copied] = self.bytes.map(|bytes| 1e-9 * bytes);
         rows.push(vec![format!("64 over 32: {:.1}", self.ratio()), String::new(), String::new()]);
-        rows.push(vec![format!("{moved:.1} GB/s of {copied:.1}"), String::new(), String::new()]);
+        for (name, shares) in [("share of a copy", &self.shares[..]), ("the paper's", &paper_shares()[..])] {
+            let shares = shares.iter().map(|share| format!("{:.1} %", 100.0 * share));
+            rows.push(std::iter::once(name.to_owned()).chain(shares).collect());
+        }
         rows
     }
+}
+
+/// The same of the paper's propagation on its card.
+fn paper_shares() -> [f64; 2] {
+    [0, 1].map(|i: usize| {
+        let bytes = GRIDS[i].0.pow(3) as u64 * ITERATIONS as u64 * PAPER_BYTES;
+        Timed { milliseconds: PAPER[i], at_best: GTX_480 }.share_of_copy(bytes as f64)
+    })
 }
 
 /// Bytes that propagation moves at least.
 fn bytes(passes: &MethodPasses) -> u64 {
     let steps = passes.steps().iter().filter(|step| step.step.pass.is_of("lpv.propagate"));
     steps.filter_map(|step| step.writes.last()).map(|shown| shown.size() / SHOWN * BYTES).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use deepshade::shared::arguments::Size;
+    use deepshade_render::scene::SceneSource;
+
+    #[test]
+    fn propagation_moves_its_bytes_of_each_cell_in_each_iteration() {
+        let gpu = Gpu::new().expect("an adapter; lavapipe will do");
+        let scene: SceneSource = "colonnade:1".parse().expect("a scene");
+        let subject = LpvFrame::new(&gpu, &scene, Size { width: 16, height: 16 }).expect("a frame");
+        let parameters =
+            LpvParameters { cells: 12, cascades: 1, iterations: 3, steps: 4, scale: 1, scheme: Scheme::OURS };
+        let passes = subject.passes(parameters).expect("room");
+        let cells = subject.grid(parameters).cells() as u64;
+        // Nine lobes and what is sent out again there and back, six sums likewise, links and the medium.
+        assert_eq!(bytes(&passes), 3 * cells * 16 * (2 * 10 + 2 * 6 + 1 + 3));
+    }
+
+    #[test]
+    fn the_paper_moves_a_fifth_of_what_its_card_copies() {
+        // 402.7 and 50.3 MB.
+        let [coarse, fine] = paper_shares();
+        assert!((fine - 0.1845).abs() < 1e-3 && (coarse - 0.1904).abs() < 1e-3, "{coarse} {fine}");
+    }
 }
