@@ -165,8 +165,8 @@ impl NetSpec {
         reach: Reach,
     ) -> Option<Self> {
         use Attribute::{
-            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness, PixelRadius,
-            RawOpenness, Relief, SignedCircle,
+            Border, Diffuse, DiffuseLight, Estimate, FreePathPixels, Light, Movement, Normal, Openness,
+            PixelRadius, RawOpenness, Relief, SignedCircle,
         };
         let local = [Normal, Relief, PixelRadius, Border];
         let filter = |of: &[Attribute]| [of, &[Light, Estimate]].concat();

@@ -56,11 +56,7 @@ impl Rendered {
 }
 
 /// A frame's g-buffer with what the recipe's methods estimate.
-fn estimated(
-    recipe: &Recipe,
-    staged: &StagedScene<'_>,
-    frame: &Frame<'_>,
-) -> Result<GBuffer, DatasetError> {
+fn estimated(recipe: &Recipe, staged: &StagedScene<'_>, frame: &Frame<'_>) -> Result<GBuffer, DatasetError> {
     let Frame { scene, camera, gbuffer: seen, radius, seed } = *frame;
     let estimators = staged.estimators();
     let mut all = seen.clone();

@@ -134,8 +134,7 @@ mod tests {
         let recipe = Recipe::load(&path).expect("a sound recipe");
         let under = |environment_share: f32| {
             let environment = Some(Surroundings::Sky(1));
-            let vary =
-                Vary { environment, environment_share: Some(environment_share), ..Vary::default() };
+            let vary = Vary { environment, environment_share: Some(environment_share), ..Vary::default() };
             let props = Props::load(&Recipe { vary: Some(vary), ..recipe.clone() }).expect("no files");
             (0..1000).filter(|seed| props.environment(*seed).is_some()).count()
         };

@@ -192,7 +192,9 @@ mod tests {
                     let apart = |pair: &[f32]| pair[1] * (1.0 - pair[0]) < 1e-3;
                     assert!(shares[0] == 1.0 && shares.windows(2).all(apart), "{cells} {focus}: {shares:?}");
                 }
-                let finest = grids[5].share_of(focus.clamp(-size, size));
+                let [low, high] = [Vec3::ZERO, coarsest.size.as_vec3()];
+                let nearest = coarsest.low + coarsest.cell * coarsest.in_cells(focus).clamp(low, high);
+                let finest = grids[5].share_of(nearest);
                 assert!(finest == 1.0, "{cells} {focus}: {finest}");
             }
         }

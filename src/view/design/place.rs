@@ -165,7 +165,7 @@ pub mod tests {
         let reflecting = find(request(reflecting)).expect("the same place").light.reflected();
         let lit = subject.traced(0.0, &lights).expect("a moment");
         let received = Afterglow::new(&lit).history(mesh, triangle, weights)[0].irradiance;
-        let expected = place.spot.albedo(&lit) * received / std::f32::consts::PI;
+        let expected = place.spot.albedo(&lit) * received / PI;
         let off = Vec3::from(reflecting[3].map(|part| part as f32)) - expected;
         assert!(off.abs().max_element() < 1e-5 * expected.max_element(), "{off} of {expected}");
         assert_eq!(reflecting[190], [0.0; 3], "the lamp is off");
