@@ -95,6 +95,7 @@ fn entries() -> Vec<Entry> {
         disks(surfel::SurfelParameters::of, surfel::glossy::GLOSSY),
         disks(rays::BouncedZParameters::of, rays::glossy::GLOSSY),
         screen(volume_shell::VolumeShellParameters::of, identity),
+        screen(rays::fog::FogRaysParameters::of, identity),
         screen(lpv::LpvParameters::of, InMedium::indirect),
         screen(prefiltered::PrefilteredParameters::of, identity),
         screen(occluded_prefiltered::OccludedPrefilteredParameters::of, identity),

@@ -21,6 +21,7 @@ const WAITING = 3u * HEIGHT + 1u;
 
 struct Ray {
     origin: vec3f,
+    // Of the surface that it starts from; zero between surfaces.
     normal: vec3f,
     direction: vec3f,
 }
@@ -68,7 +69,8 @@ fn nearer(which: u32, ray: Ray, before: Hit) -> Hit {
     let radius = surfel_radius(surfel) * bounces.cover;
     let distance = height / select(slope, 1.0, abs(slope) < 1e-6);
     let off = distance * ray.direction - way;
-    let is_met = dot(way, ray.normal) > least && abs(height) > least && abs(slope) >= 1e-6
+    let is_ahead = dot(way, ray.normal) > least || all(ray.normal == vec3f(0.0));
+    let is_met = is_ahead && abs(height) > least && abs(slope) >= 1e-6
         && distance > 0.0 && dot(off, off) < radius * radius;
     let is_first = distance == before.distance && which < before.surfel && before.surfel != NONE;
     let is_nearer = distance < before.distance || is_first;

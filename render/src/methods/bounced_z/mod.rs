@@ -17,9 +17,9 @@
 //! direction. The filter divides by the sum of its weights, so that it keeps an even sky.
 //!
 //! Methods: [`occlusion`], [`directional`] occlusion, and [`indirect`] light, which [`glossy`] surfaces also
-//! reflect. [`sky_light`], with what surfaces reflect of it by [`bounces`], is a part of
-//! [`composed`](super::composed). What a pixel's surface makes of light, and so where it looks for it, is
-//! its [`Reflector`].
+//! reflect and a medium scatters ([`fog`]). [`sky_light`], with what surfaces reflect of it by [`bounces`],
+//! is a part of [`composed`](super::composed). What a pixel's surface makes of light, and so where it looks
+//! for it, is its [`Reflector`].
 //!
 //! Limits. Disks whose areas add up to a surface's lie over one another in places and leave holes in others:
 //! a single sheet of them lets a part of the rays through, which is light lost to `gi`. Where it ends, disks
@@ -31,6 +31,7 @@
 
 pub mod bounces;
 pub mod directional;
+pub mod fog;
 pub mod glossy;
 pub mod indirect;
 pub mod occlusion;

@@ -12,8 +12,8 @@ use glam::{IVec2, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 
 /// The pixels of a square of 4 x 4 share one spiral of directions.
-const SQUARE: u32 = 2;
-const IN_SQUARE: u32 = 16;
+pub(super) const SQUARE: u32 = 2;
+pub(super) const IN_SQUARE: u32 = 16;
 /// Angle between a direction of the spiral and the next, turns.
 const GOLDEN_TURN: f32 = 0.381_966;
 /// Sine of the least angle between the way to a disk and either surface. Surfels' normals are rounded by
@@ -47,7 +47,7 @@ pub struct PixelRay {
 pub struct Ray {
     /// Camera space, metres.
     pub origin: Vec3,
-    /// Unit vector.
+    /// Unit vector; zero between surfaces.
     pub normal: Vec3,
     /// Unit vector.
     pub direction: Vec3,
@@ -60,7 +60,8 @@ impl Ray {
         let way = disk.place - self.origin;
         let (height, least) = (way.dot(disk.normal), LEAST_SINE * way.length());
         let slope = self.direction.dot(disk.normal);
-        if way.dot(self.normal) <= least || height.abs() <= least || slope.abs() < 1e-6 {
+        let is_behind = self.normal != Vec3::ZERO && way.dot(self.normal) <= least;
+        if is_behind || height.abs() <= least || slope.abs() < 1e-6 {
             return None;
         }
         let distance = height / slope;

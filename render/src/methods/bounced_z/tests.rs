@@ -1,5 +1,6 @@
 //! Closed forms, what hides what, and the passes against the plain version.
 
+mod fog;
 mod sky;
 
 use super::indirect::{INDIRECT, LIGHT};

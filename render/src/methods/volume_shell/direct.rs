@@ -32,7 +32,7 @@ impl Technique for Direct {
     fn uniforms(&self, view: &View) -> Vec<Vec<u8>> {
         let camera = view.perspective();
         vec![
-            bytes_of(&self.0.marching(view)).to_vec(),
+            bytes_of(&self.0.division(view.seed).marching(view)).to_vec(),
             bytes_of(&camera).to_vec(),
             bytes_of(&self.0.scattering(view)).to_vec(),
         ]
@@ -41,7 +41,7 @@ impl Technique for Direct {
     fn steps(&self, to: &Resources<'_>) -> Result<Vec<MethodStep>, GpuError> {
         let [march, view, volume] = to.uniforms else { unreachable!("march, view and scattering") };
         let (device, world, output) = (to.device, to.scene()?, to.output);
-        let (map, march) = IntervalMap::step(&self.0, to, map::Uniforms { march, view })?;
+        let (map, march) = IntervalMap::step(&self.0.division(0), to, map::Uniforms { march, view })?;
         let [lights, medium] = single_scattering::constants(world);
         let constants = [("SAMPLES", self.0.samples), lights, medium];
         let pass = device.pass(Shader::at("methods/volume-shell/direct"), &constants)?;

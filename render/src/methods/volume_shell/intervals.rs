@@ -3,7 +3,9 @@
 use super::samples::Samples;
 use crate::path::medium::Segment;
 use crate::scene::Medium;
+use crate::screen::View;
 use deepshade_shaders::random;
+use deepshade_shaders::wgsl::uniforms;
 use glam::{UVec2, Vec3};
 
 /// How rays are divided.
@@ -15,8 +17,16 @@ pub struct Division {
     pub samples: usize,
     /// Whether they are kept in the wide encoding, not in the paper's.
     pub is_wide: bool,
-    /// Chooses random offsets.
+    /// Chooses random offsets; of no matter to the passes that are bound.
     pub seed: u32,
+}
+
+impl Division {
+    /// What the march reads.
+    pub fn marching(&self, view: &View) -> uniforms::Intervals {
+        let (width, height) = (view.width as u32, view.height as u32);
+        uniforms::Intervals { width, height, steps: self.steps, seed: self.seed }
+    }
 }
 
 /// A ray's way through a medium.

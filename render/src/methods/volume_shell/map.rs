@@ -1,7 +1,6 @@
 //! The transmittance interval map on the GPU.
 
-use super::VolumeShellParameters;
-use super::improvements::Improvement;
+use super::intervals::Division;
 use crate::raster::medium::MediumOnGpu;
 use crate::screen::{MethodStep, PassDispatch, Resources};
 use deepshade_shaders::Attribute;
@@ -32,20 +31,20 @@ impl IntervalMap {
     /// # Errors
     /// If there is no scene, or the device has no room or refuses the pass.
     pub fn step(
-        parameters: &VolumeShellParameters,
+        division: &Division,
         to: &Resources<'_>,
         uniforms: Uniforms<'_>,
     ) -> Result<(Self, MethodStep), GpuError> {
         let (device, world) = (to.device, to.scene()?);
-        let shader = match parameters.improvements.has(Improvement::WideEncoding) {
+        let shader = match division.is_wide {
             true => Shader::at("methods/volume-shell/intervals"),
             false => Shader::at("methods/volume-shell/paper_intervals"),
         };
-        let constants = [("SAMPLES", parameters.samples), ("MEDIUM", world.medium.kind)];
+        let constants = [("SAMPLES", division.samples as u32), ("MEDIUM", world.medium.kind)];
         let pass = device.pass(shader, &constants)?;
         let [height, width] = to.size();
         let rays = gpu::empty::<[f32; 4]>(device, "volume-shell.rays", height * width)?;
-        let count = parameters.samples as usize * height * width;
+        let count = division.samples * height * width;
         let samples = gpu::empty::<u16>(device, "volume-shell.samples", count)?;
         let MediumOnGpu { record, densities, .. } = &world.medium;
         let [valid, position] = to.seen([Attribute::Valid, Attribute::Position]);

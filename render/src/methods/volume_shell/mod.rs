@@ -10,16 +10,16 @@
 //! shells are as wide for a dim one as for a bright one, so that the threshold has no unit. [`direct`] is
 //! light straight from the lamps by the same map.
 //!
-//! Limits. Nothing hides surfels from the medium: where much does, light is too bright. Light of point, spot
-//! and directional lights only, so that scenes lit by emissive surfaces or an environment stay black: with
-//! these, a room under a sky was three times too bright (figures are in the book). On lavapipe, which ends
-//! long loops, images are right up to some 500,000 visits of intervals a pixel and level. Images have at most
-//! four million pixels: a binding holds no more intervals.
+//! Limits. Nothing hides surfels from the medium: where much does, light is too bright, unlike that of
+//! [`bounced_z`](super::bounced_z::fog). Light of point, spot and directional lights only, so that scenes lit
+//! by emissive surfaces or an environment stay black: with these, a room under a sky was three times too
+//! bright. On lavapipe, which ends long loops, images are right up to some 500,000 visits of intervals a
+//! pixel and level. Images have at most four million pixels: a binding holds no more intervals.
 
 pub mod direct;
 mod improvements;
 pub mod intervals;
-mod map;
+pub mod map;
 pub mod passes;
 pub mod pyramid;
 pub mod reference;
@@ -111,12 +111,6 @@ impl VolumeShellParameters {
         let usual = shells::level(&self.of_shells(), level, view);
         let last = usual.last * self.improvements.flag(Improvement::FarLight);
         uniforms::SplatLevel { reach: far_reaching(view).radius, last, ..usual }
-    }
-
-    /// What the march reads.
-    pub fn marching(&self, view: &View) -> uniforms::Intervals {
-        let (width, height) = (view.width as u32, view.height as u32);
-        uniforms::Intervals { width, height, steps: self.steps.max(1), seed: view.seed }
     }
 
     /// What what scatters reads, beside levels.

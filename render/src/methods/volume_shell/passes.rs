@@ -25,7 +25,7 @@ pub fn uniforms(parameters: &VolumeShellParameters, view: &View) -> Vec<Vec<u8>>
     // Near is over the effect's radius, which is not how far surfels matter.
     settings.near *= view.radius / far_reaching(view).radius;
     let mut all: Vec<Vec<u8>> = frame::uniforms(&settings, &far_reaching(view)).collect();
-    all.push(bytes_of(&parameters.marching(view)).to_vec());
+    all.push(bytes_of(&parameters.division(view.seed).marching(view)).to_vec());
     all.push(bytes_of(&parameters.scattering(view)).to_vec());
     for level in 0..parameters.levels {
         all.push(bytes_of(&parameters.level(level, view)).to_vec());
@@ -49,7 +49,7 @@ pub fn steps(parameters: &VolumeShellParameters, to: &Resources<'_>) -> Result<V
     let lit = Some(SurfelLight::Dimmed { is_grey: parameters.is_grey() });
     let (cloud, mut steps) = frame::steps(device, world, of_surfels, Tree::Lit, lit)?;
     let view = &of_surfels[1];
-    let (map, step) = IntervalMap::step(parameters, to, map::Uniforms { march, view })?;
+    let (map, step) = IntervalMap::step(&parameters.division(0), to, map::Uniforms { march, view })?;
     steps.push(step);
     let [height, width] = to.size();
     let sums = gpu::empty::<[f32; 4]>(device, "volume-shell.sums", height * width)?;

@@ -18,13 +18,39 @@ use glam::{UVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::f32::consts::PI;
 
+/// What pixels see through.
+pub struct Sight<'a> {
+    view: &'a View,
+    position: Planes,
+    valid: Planes,
+}
+
+impl<'a> Sight<'a> {
+    /// Of a view of a g-buffer.
+    ///
+    /// # Errors
+    /// If the g-buffer lacks an attribute.
+    pub fn new(gbuffer: &GBuffer, view: &'a View) -> Result<Self, MissingAttribute> {
+        let position = gbuffer.select(&[Attribute::Position])?;
+        Ok(Self { view, position, valid: gbuffer.select(&[Attribute::Valid])? })
+    }
+
+    /// A pixel's way from the eye to the surface, if it sees one.
+    pub fn of(&self, pixel: UVec2) -> Segment {
+        let [x, y] = [pixel.x as usize, pixel.y as usize];
+        let surface = Vec3::from([0, 1, 2].map(|c| self.position.at(c, y, x))).length();
+        let length = if shows_surface(self.valid.at(0, y, x)) { surface } else { 1e30 };
+        let View { camera, height, width, .. } = *self.view;
+        let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
+        Segment { origin: camera.position, direction, length }
+    }
+}
+
 /// The rays of an image's pixels.
 pub struct Rays<'a> {
     medium: &'a Medium,
     parameters: &'a VolumeShellParameters,
-    view: &'a View,
-    position: Planes,
-    valid: Planes,
+    sight: Sight<'a>,
 }
 
 /// A pixel's ray, with what its intervals scatter.
@@ -48,19 +74,15 @@ impl<'a> Rays<'a> {
         parameters: &'a VolumeShellParameters,
         view: &'a View,
     ) -> Result<Self, MissingAttribute> {
-        let position = gbuffer.select(&[Attribute::Position])?;
-        Ok(Self { medium, parameters, view, position, valid: gbuffer.select(&[Attribute::Valid])? })
+        Ok(Self { medium, parameters, sight: Sight::new(gbuffer, view)? })
     }
 
     /// That of a pixel.
     pub fn of(&self, pixel: UVec2) -> PixelRay {
-        let [x, y] = [pixel.x as usize, pixel.y as usize];
-        let surface = Vec3::from([0, 1, 2].map(|c| self.position.at(c, y, x))).length();
-        let length = if shows_surface(self.valid.at(0, y, x)) { surface } else { 1e30 };
-        let View { camera, height, width, seed, .. } = *self.view;
-        let direction = camera.direction(Vec2::new(x as f32 + 0.5, y as f32 + 0.5), height, width);
-        let segment = Segment { origin: camera.position, direction, length };
-        let ray = Ray::marched(self.medium, segment, &self.parameters.division(seed), pixel);
+        let segment = self.sight.of(pixel);
+        let direction = segment.direction;
+        let division = self.parameters.division(self.sight.view.seed);
+        let ray = Ray::marched(self.medium, segment, &division, pixel);
         let scatters = match self.parameters.improvements.has(Improvement::Silhouettes) {
             true => 1.0 - mean_transmittance(self.medium, ray.whole),
             false => 1.0,
