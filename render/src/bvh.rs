@@ -13,7 +13,7 @@ mod wide;
 
 use crate::sampler::hash;
 use crate::scene::memory;
-use crate::scene::{AlphaMode, Bounds, Look, Mesh, Scene, SceneError, SceneSource};
+use crate::scene::{AlphaMode, Bounds, Look, Material, Mesh, Scene, SceneError, SceneSource};
 use bundle::World;
 use glam::{Vec2, Vec3, Vec3A};
 use obvhs::{
@@ -307,9 +307,10 @@ fn check(scene: &Scene) -> Result<(), SceneError> {
     scene.check_look()
 }
 
-/// Of each mesh, whether its material can be seen through.
+/// Of each mesh, whether its material must be asked if light passes.
 fn seen_through(scene: &Scene) -> impl Iterator<Item = bool> {
-    scene.meshes.iter().map(|mesh| scene.material(mesh.material).can_be_seen_through())
+    let asked = |material: &Material| material.can_be_seen_through() || material.may_pass_light_straight();
+    scene.meshes.iter().map(move |mesh| asked(scene.material(mesh.material)))
 }
 
 fn has_blended(scene: &Scene) -> bool {

@@ -18,6 +18,11 @@ pub struct SurfacePoint {
     pub geometric_normal: Vec3,
     /// Unit normal for shading: interpolated, then turned by the normal map.
     pub normal: Vec3,
+    /// Unit normal of the clear coat, the same as `normal` where there is none: interpolated, then turned by
+    /// the coat's own normal map.
+    pub coat_normal: Vec3,
+    /// Whether it is the front that is seen, the side that the mesh's normals are on.
+    pub is_front: bool,
     /// What the material says there.
     pub surface: Surface,
     /// Index of the mesh.
@@ -48,17 +53,31 @@ impl SurfacePoint {
                 tangent_frame(mesh, corners, weights, smooth, slot.uv_set) * tangent_normal
             },
         );
+        let coat = material.coat.as_ref().map(|coat| {
+            let map = coat.normal_texture.zip(material.coat_normal(&scene.textures, uvs));
+            map.map_or(smooth, |((slot, _), tangent_normal)| {
+                tangent_frame(mesh, corners, weights, smooth, slot.uv_set) * tangent_normal
+            })
+        });
         let geometric_normal = facing(geometric, -direction);
-        let [smooth, mapped] = turned([smooth, mapped.unwrap_or(smooth)], resting, geometric);
+        let [smooth, mapped, coat] =
+            turned([smooth, mapped.unwrap_or(smooth), coat.unwrap_or(smooth)], resting, geometric);
         // The mesh's normal decides which side of its own the shading normal is on, the viewer which side is
         // meant.
         let side = if smooth.dot(geometric_normal) < 0.0 { -1.0 } else { 1.0 };
         let normal = leaning_to(side * mapped, -direction, geometric_normal);
+        let surface = material.surface(&scene.textures, uvs, colour);
+        let coat_normal = match surface.coat {
+            Some(_) => leaning_to(side * coat, -direction, geometric_normal),
+            None => normal,
+        };
         Self {
             position: blended(placed, weights),
             geometric_normal,
             normal,
-            surface: material.surface(&scene.textures, uvs, colour),
+            coat_normal,
+            is_front: side > 0.0,
+            surface,
             mesh: hit.mesh,
             displacement: interpolated(&mesh.displacements, corners, weights).unwrap_or(Vec3::ZERO),
             start: Start::new(placed, weights, geometric_normal),
@@ -70,6 +89,11 @@ impl SurfacePoint {
         self.start.above(self.geometric_normal)
     }
 
+    /// Where rays into the lower hemisphere do.
+    pub fn ray_origin_below(&self) -> Vec3 {
+        self.start.above(-self.geometric_normal)
+    }
+
     /// The same point with a shading normal in which nothing is mirrored into the surface: bent as far as
     /// that needs, towards the viewer at `to_viewer`, where the surface mirrors at all.
     #[must_use]
@@ -77,7 +101,9 @@ impl SurfacePoint {
         if self.surface.specular == Vec3::ZERO {
             return self;
         }
-        Self { normal: bent::mirroring_above(self.normal, self.geometric_normal, to_viewer), ..self }
+        let [normal, coat_normal] = [self.normal, self.coat_normal]
+            .map(|normal| bent::mirroring_above(normal, self.geometric_normal, to_viewer));
+        Self { normal, coat_normal, ..self }
     }
 
     /// The same point, above which rays start at least so many metres: for a copy of its surface that is less
@@ -95,7 +121,7 @@ fn plane_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
 
 /// Vectors turned as one unit vector must be to become another. Where that is no turn, they stay what they
 /// are to the sign of a zero, which decides on which tangents belong to a normal.
-fn turned(vectors: [Vec3; 2], from: Vec3, to: Vec3) -> [Vec3; 2] {
+fn turned<const N: usize>(vectors: [Vec3; N], from: Vec3, to: Vec3) -> [Vec3; N] {
     if from == to { vectors } else { vectors.map(|vector| Quat::from_rotation_arc(from, to) * vector) }
 }
 

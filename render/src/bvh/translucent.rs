@@ -1,9 +1,10 @@
 //! Rays that carry light through blended surfaces: [`TracedScene::hit`] shows a camera surfaces from half
 //! opacity on and [`TracedScene::blocked`] decides by the ray alone, so that neither gets nearer to the truth
 //! by more samples. Here, every blended triangle stops its share of rays by a number that each ray brings, or
-//! dims them all by its share. Masks are there or not, as everywhere.
+//! dims them all by its share. Masks are there or not, as everywhere. Panes of glass, which only
+//! [`TracedScene::let_through_tinted`] knows to let light through, tint it.
 
-use super::{Hit, TracedScene, TriangleOrigin, ray};
+use super::{Hit, TracedScene, TriangleOrigin, clock, ray};
 use crate::sampler::hash;
 use glam::Vec3;
 use std::cell::Cell;
@@ -33,6 +34,29 @@ impl TracedScene {
     /// what each surface lets through, 0 behind an opaque one.
     pub fn let_through(&self, origin: Vec3, direction: Vec3, reach: f32) -> f32 {
         left(|ends| self.meets_any(ray(origin, direction, reach), |opacity, _| ends(opacity)))
+    }
+
+    /// The same of each colour, where `passed` says which share of light goes straight on through a surface
+    /// that is there. The distance of the hits that it is asked about is not known.
+    pub fn let_through_tinted(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        reach: f32,
+        passed: impl Fn(&Hit) -> Vec3,
+    ) -> Vec3 {
+        let ray = ray(origin, direction, reach);
+        let share = Cell::new(Vec3::ONE);
+        let ends = |index: u32| {
+            let opacity = self.opacity(&ray, index as usize);
+            let through = match opacity > 0.0 {
+                true => opacity * passed(&self.hit_at(&ray, index, f32::NAN)),
+                false => Vec3::ZERO,
+            };
+            share.set(share.get() * (Vec3::splat((1.0 - opacity).max(0.0)) + through));
+            share.get() == Vec3::ZERO
+        };
+        if clock::around(|| self.bvh.blocked(&ray, ends)) { Vec3::ZERO } else { share.get() }
     }
 }
 

@@ -6,8 +6,11 @@
 //! Both ways of finding the same light are weighed by the power heuristic (Veach 1997, 9.2.2). From the fifth
 //! vertex on, paths that carry little end by Russian roulette, which keeps the mean. Blended surfaces are
 //! there with the probability of their opacity for paths and let their share through to lights
-//! ([`crate::bvh`]), so that every pixel converges.
+//! ([`crate::bvh`]), so that every pixel converges. So do smooth panes of glass, tinted: what goes straight
+//! on through them is no vertex. What a body of glass absorbs is lost on the ways between its surfaces;
+//! bodies within bodies end one another. Light of a [`Route`] takes all surfaces for opaque.
 
+use super::bsdf::Straight;
 use super::lights::{LightSample, Lights, LightsAt};
 use super::medium::{Flight, Media, Segment};
 use super::phosphor::Afterglow;
@@ -16,6 +19,7 @@ use super::vertex::Vertex;
 use crate::bvh::{Hit, TracedScene};
 use crate::intersection::SurfacePoint;
 use crate::sampler::Stream;
+use crate::scene::Material;
 use glam::Vec3;
 
 /// Vertices of a path that are never cut short.
@@ -47,6 +51,8 @@ pub struct Transport<'a> {
     /// Most vertices of a path.
     most_vertices: u32,
     finding: Finding,
+    /// Whether light may pass a surface without being bent.
+    panes: bool,
     /// The only route that light is wanted of; `None` for all.
     wanted: Option<Route>,
 }
@@ -83,9 +89,14 @@ impl Split {
 
 /// The last edge of a path, towards the light.
 struct Edge<'a> {
+    /// Behind the last pane.
     origin: Vec3,
     /// Unit vector.
     direction: Vec3,
+    /// How far it has come from its vertex through panes, metres.
+    passed: f32,
+    /// What a metre takes, of each colour.
+    absorption: Vec3,
     /// With which density the direction was sampled, per steradian, and the lights that the vertex sampled
     /// too; `None` from the eye, and from vertices whose light is not wanted.
     sampled: Option<(f32, LightsAt<'a>)>,
@@ -101,6 +112,7 @@ impl<'a> Transport<'a> {
             media: Media::of(scene),
             most_vertices: u32::MAX,
             finding: Finding::Both,
+            panes: scene.scene().materials.iter().any(Material::may_pass_light_straight),
             wanted: None,
         }
     }
@@ -122,7 +134,7 @@ impl<'a> Transport<'a> {
     /// do not pass by the medium where it must be met.
     #[must_use]
     pub fn with_route(self, wanted: Route) -> Self {
-        Self { wanted: Some(wanted), ..self }
+        Self { wanted: Some(wanted), panes: false, ..self }
     }
 
     /// One sample of the radiance that arrives at `origin` against a unit direction, split.
@@ -148,7 +160,7 @@ impl<'a> Transport<'a> {
         stream: &mut Stream,
         mut found: impl FnMut(Vertices, Vec3),
     ) {
-        let mut edge = Edge { origin, direction, sampled: None };
+        let mut edge = Edge { origin, direction, passed: 0.0, absorption: Vec3::ZERO, sampled: None };
         let (mut throughput, mut vertices) = (Vec3::ONE, Vertices::default());
         loop {
             let hit = self.hit(&edge, stream);
@@ -158,7 +170,7 @@ impl<'a> Transport<'a> {
                 found(vertices, throughput * self.kept_by_medium(afterglow, &segment, stream));
             }
             let Flight { scattered, weight } = self.follow(vertices, &segment, throughput, stream);
-            throughput *= weight;
+            throughput *= weight * left_after(edge.absorption, scattered.unwrap_or(length));
             if throughput == Vec3::ZERO {
                 return;
             }
@@ -167,7 +179,7 @@ impl<'a> Transport<'a> {
                     Vertex::medium(&self.media, segment.start_at(distance, self.scene), edge.direction)
                 }
                 (None, Some(hit)) => {
-                    Vertex::surface(SurfacePoint::new(self.scene, hit, edge.direction), edge.direction)
+                    self.surface(SurfacePoint::new(self.scene, hit, edge.direction), edge.direction)
                 }
                 (None, None) => {
                     if self.wants(vertices) {
@@ -180,6 +192,14 @@ impl<'a> Transport<'a> {
                 let kept = self.kept(hit, stream);
                 found(vertices, throughput * (kept + self.emission(&edge, point, hit)));
             }
+            if let Some(Straight { share, probability }) = vertex.straight() {
+                if stream.next_1d() < probability {
+                    throughput *= share / probability;
+                    edge = Edge { origin: vertex.behind(), passed: edge.passed + length, ..edge };
+                    continue;
+                }
+                throughput /= 1.0 - probability;
+            }
             if vertices.count() == self.most_vertices {
                 return;
             }
@@ -189,7 +209,7 @@ impl<'a> Transport<'a> {
             }
             let lights = self.wants(vertices).then(|| self.lights_at(&vertex));
             if let Some(lights) = &lights {
-                found(vertices, throughput * self.lit(&vertex, lights, stream));
+                found(vertices, throughput * self.lit(&vertex, edge.absorption, lights, stream));
             }
             let Some(next) = vertex.sample(stream) else { return };
             throughput *= next.weight;
@@ -197,8 +217,10 @@ impl<'a> Transport<'a> {
                 return;
             }
             edge = Edge {
-                origin: vertex.ray_origin(),
+                origin: vertex.ray_origin_towards(next.direction),
                 direction: next.direction,
+                passed: 0.0,
+                absorption: vertex.absorption_towards(next.direction, edge.absorption),
                 sampled: lights.map(|lights| (next.density, lights)),
             };
         }
@@ -228,17 +250,26 @@ impl<'a> Transport<'a> {
         self.scene.hit_by_chance(edge.origin, edge.direction, f32::INFINITY, || stream.next_1d())
     }
 
+    /// A vertex on a surface.
+    fn surface(&self, point: SurfacePoint, direction: Vec3) -> Vertex {
+        match self.wanted {
+            None => Vertex::surface(point, direction),
+            Some(_) => Vertex::opaque(point, direction),
+        }
+    }
+
     /// The lights from a vertex.
     fn lights_at(&self, vertex: &Vertex) -> LightsAt<'_> {
         match vertex {
+            Vertex::Surface { bsdf, .. } if bsdf.looks_below_horizon() => self.lights.at(vertex.ray_origin()),
             Vertex::Surface { point, .. } => self.lights.at_surface(point),
             Vertex::Medium { point, .. } => self.lights.at(*point),
         }
     }
 
-    /// Light of one light, sampled, that a vertex turns to the vertex before.
-    fn lit(&self, vertex: &Vertex, lights: &LightsAt<'_>, stream: &mut Stream) -> Vec3 {
-        let origin = vertex.ray_origin();
+    /// Light of one light, sampled, that a vertex turns to the vertex before, from where a metre takes
+    /// `absorption`.
+    fn lit(&self, vertex: &Vertex, absorption: Vec3, lights: &LightsAt<'_>, stream: &mut Stream) -> Vec3 {
         let Some(light) = lights.sample(stream) else { return Vec3::ZERO };
         let LightSample { direction, distance, radiance, density } = light;
         let weight = match (density, self.finding) {
@@ -250,12 +281,24 @@ impl<'a> Transport<'a> {
         if turned == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let let_through = self.scene.let_through(origin, direction, distance);
-        if let_through == 0.0 {
+        let segment = towards(vertex, direction, distance);
+        let let_through = self.let_through(&segment);
+        if let_through == Vec3::ZERO {
             return Vec3::ZERO;
         }
-        let segment = Segment { origin, direction, length: distance };
-        turned * let_through * self.media.transmittance(&segment, stream)
+        let left = left_after(vertex.absorption_towards(direction, absorption), segment.length);
+        turned * let_through * left * self.media.transmittance(&segment, stream)
+    }
+
+    /// Share of light that surfaces let through on the way to a light.
+    fn let_through(&self, &Segment { origin, direction, length }: &Segment) -> Vec3 {
+        if !self.panes {
+            return Vec3::splat(self.scene.let_through(origin, direction, length));
+        }
+        self.scene.let_through_tinted(origin, direction, length, |hit| {
+            let point = SurfacePoint::new(self.scene, hit, direction);
+            self.surface(point, direction).straight().map_or(Vec3::ZERO, |straight| straight.share)
+        })
     }
 
     /// Light of the environment at the end of an edge, weighed.
@@ -289,7 +332,8 @@ impl<'a> Transport<'a> {
         if emission == Vec3::ZERO {
             return emission;
         }
-        emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, hit))
+        let hit = Hit { distance: hit.distance + edge.passed, ..*hit };
+        emission * self.weight(edge, |lights| lights.density_of_hit(edge.direction, &hit))
     }
 
     /// How much light that an edge met counts, which is sampled among the lights with the density of
@@ -301,6 +345,21 @@ impl<'a> Transport<'a> {
             (Some((_, lights)), Finding::Lights) => f32::from(sampled(lights) == 0.0),
         }
     }
+}
+
+/// The way to a light that was sampled from a vertex's viewer's side.
+fn towards(vertex: &Vertex, direction: Vec3, length: f32) -> Segment {
+    let (sampled_from, origin) = (vertex.ray_origin(), vertex.ray_origin_towards(direction));
+    if origin == sampled_from || length == f32::INFINITY {
+        return Segment { origin, direction, length };
+    }
+    let way = sampled_from + direction * length - origin;
+    Segment { origin, direction: way / way.length(), length: way.length() }
+}
+
+/// Share of light that a way through what absorbs it leaves, for each colour.
+fn left_after(absorption: Vec3, length: f32) -> Vec3 {
+    absorption.map(|each| if each == 0.0 { 1.0 } else { (-each * length).exp() })
 }
 
 /// Weight of light that was found with a density and could have been found with another (Veach 1997, 9.2.2).

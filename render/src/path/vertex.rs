@@ -1,7 +1,7 @@
 //! Where a path turns: on a surface or in the medium. Shared by all integrators that follow paths through a
 //! medium.
 
-use super::bsdf::{Bsdf, BsdfSample};
+use super::bsdf::{Bsdf, BsdfSample, Straight};
 use super::medium::{HenyeyGreenstein, Media};
 use crate::intersection::SurfacePoint;
 use crate::sampler::Stream;
@@ -31,8 +31,14 @@ pub enum Vertex {
 }
 
 impl Vertex {
-    /// On a surface that the path came to along `direction`.
+    /// On a surface that the path came to along `direction`, with all of its layers.
     pub fn surface(point: SurfacePoint, direction: Vec3) -> Self {
+        let point = point.reflecting(-direction);
+        Self::Surface { bsdf: Bsdf::layered(&point), point, to_viewer: -direction }
+    }
+
+    /// The same, taken for opaque and without a coat.
+    pub fn opaque(point: SurfacePoint, direction: Vec3) -> Self {
         let point = point.reflecting(-direction);
         Self::Surface { bsdf: Bsdf::new(&point), point, to_viewer: -direction }
     }
@@ -42,7 +48,41 @@ impl Vertex {
         Self::Medium { point, phase: media.phase(), direction }
     }
 
-    /// Where rays from here start, and from where lights are sampled.
+    /// Where rays in a direction start.
+    pub fn ray_origin_towards(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { point, .. } if point.geometric_normal.dot(direction) < 0.0 => self.behind(),
+            _ => self.ray_origin(),
+        }
+    }
+
+    /// Where what goes straight on through a surface does.
+    pub fn behind(&self) -> Vec3 {
+        match self {
+            Self::Surface { point, .. } => point.ray_origin_below(),
+            Self::Medium { point, .. } => *point,
+        }
+    }
+
+    /// Light that goes on as it came.
+    pub fn straight(&self) -> Option<Straight> {
+        match self {
+            Self::Surface { bsdf, to_viewer, .. } => bsdf.straight(*to_viewer),
+            Self::Medium { .. } => None,
+        }
+    }
+
+    /// What a metre takes in a direction, for each colour, where a metre takes `here` before the vertex.
+    pub fn absorption_towards(&self, direction: Vec3, here: Vec3) -> Vec3 {
+        match self {
+            Self::Surface { point, bsdf, .. } if point.geometric_normal.dot(direction) < 0.0 => {
+                bsdf.beyond().unwrap_or(here)
+            }
+            _ => here,
+        }
+    }
+
+    /// From where lights are sampled, and rays to the viewer's side start.
     pub fn ray_origin(&self) -> Vec3 {
         match self {
             Self::Surface { point, .. } => point.ray_origin(),
@@ -51,7 +91,7 @@ impl Vertex {
     }
 
     /// Share of light from a direction that is turned to the vertex before, per steradian; with the cosine on
-    /// surfaces.
+    /// surfaces, and but for what goes straight on.
     pub fn evaluate(&self, to_light: Vec3) -> Vec3 {
         match self {
             Self::Surface { bsdf, to_viewer, .. } => bsdf.evaluate(*to_viewer, to_light),

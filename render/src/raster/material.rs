@@ -26,7 +26,7 @@ pub fn record(material: &Material) -> MaterialRecord {
     let [emission_linear, emission_rest] = slot(material.emission_texture);
     MaterialRecord {
         base: material.base_colour.to_array(),
-        factors: [material.metallic, material.roughness, limit, 0.0],
+        factors: [material.metallic, material.roughness, limit, material.dielectric_specular()],
         emission: material
             .emission
             .extend(material.normal_texture.map_or(0.0, |(_, scale)| scale))

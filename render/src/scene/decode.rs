@@ -1,6 +1,8 @@
-//! Images that materials read, from the bytes of PNG, JPEG, BMP and TGA files, within what memory holds. What
-//! a header promises is looked at first, of all images of a scene together: a file of some kilobytes may
-//! stand for a gigabyte of one colour.
+//! Images that materials read, from the bytes of PNG, JPEG, BMP, TGA and KTX2 files, within what memory
+//! holds. What a header promises is looked at first, of all images of a scene together: a file of some
+//! kilobytes may stand for a gigabyte of one colour.
+
+mod ktx2;
 
 use crate::scene::memory;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
@@ -22,6 +24,8 @@ const TEXELS_PER_BYTE_JPEG: u64 = 8 * 64;
 const TEXELS_PER_BYTE_BMP: u64 = 128;
 /// The same of a TGA file: two bytes repeat a texel 128 times.
 const TEXELS_PER_BYTE_TGA: u64 = 64;
+/// The same of a KTX2 file: four bytes of Zstandard repeat a byte 131,072 times, and a byte is a texel.
+const TEXELS_PER_BYTE_KTX2: u64 = 32_768;
 /// What a texel takes while an image is decoded, bytes: as the file has it, up to eight, and twice as we do.
 const BYTES_WHILE_DECODED: u64 = 16;
 /// What a texel takes then, bytes.
@@ -39,23 +43,38 @@ pub(super) struct Image {
 #[derive(Debug)]
 pub(super) struct Encoded<'a> {
     bytes: Cow<'a, [u8]>,
-    format: ImageFormat,
+    format: Format,
     width: u32,
     height: u32,
+}
+
+/// What an image is read by.
+#[derive(Clone, Copy, Debug)]
+enum Format {
+    Common(ImageFormat),
+    Ktx2,
 }
 
 impl<'a> Encoded<'a> {
     /// Looks at the header of an image; the error says what is wrong with it.
     pub fn new(bytes: impl Into<Cow<'a, [u8]>>) -> Result<Self, String> {
         let bytes = bytes.into();
+        let common = |format, texels_per_byte| (Format::Common(format), texels_per_byte);
         let (format, texels_per_byte) = match image::guess_format(&bytes) {
-            Ok(format @ ImageFormat::Png) => (format, TEXELS_PER_BYTE_PNG),
-            Ok(format @ ImageFormat::Jpeg) => (format, TEXELS_PER_BYTE_JPEG),
-            Ok(format @ ImageFormat::Bmp) => (format, TEXELS_PER_BYTE_BMP),
-            _ if is_tga(&bytes) => (ImageFormat::Tga, TEXELS_PER_BYTE_TGA),
-            _ => return Err("is no PNG, JPEG, BMP or TGA image".to_owned()),
+            _ if ktx2::is_ktx2(&bytes) => (Format::Ktx2, TEXELS_PER_BYTE_KTX2),
+            Ok(format @ ImageFormat::Png) => common(format, TEXELS_PER_BYTE_PNG),
+            Ok(format @ ImageFormat::Jpeg) => common(format, TEXELS_PER_BYTE_JPEG),
+            Ok(format @ ImageFormat::Bmp) => common(format, TEXELS_PER_BYTE_BMP),
+            _ if is_tga(&bytes) => common(ImageFormat::Tga, TEXELS_PER_BYTE_TGA),
+            _ => return Err("is no PNG, JPEG, BMP, TGA or KTX2 image".to_owned()),
         };
-        let (width, height) = decoder(&bytes, format)?.dimensions();
+        let (width, height) = match format {
+            Format::Common(format) => decoder(&bytes, format)?.dimensions(),
+            Format::Ktx2 => ktx2::dimensions(&bytes)?,
+        };
+        if width.max(height) > LARGEST_EDGE {
+            return Err(format!("has {width} x {height} texels, more than {LARGEST_EDGE} along an edge"));
+        }
         if u64::from(width) * u64::from(height) > bytes.len() as u64 * texels_per_byte {
             return Err(format!("is a damaged image: {width} x {height} texels in {} bytes", bytes.len()));
         }
@@ -67,10 +86,15 @@ impl<'a> Encoded<'a> {
     }
 
     fn decoded(&self) -> Result<Image, String> {
-        let image = DynamicImage::from_decoder(decoder(&self.bytes, self.format)?).map_err(damaged)?;
-        let image = image.into_rgba8();
-        let (width, height) = (image.width() as usize, image.height() as usize);
-        let texels: Arc<[_]> = image.into_raw().as_chunks::<4>().0.into();
+        let (width, height) = (self.width as usize, self.height as usize);
+        let bytes = match self.format {
+            Format::Common(format) => {
+                let image = DynamicImage::from_decoder(decoder(&self.bytes, format)?).map_err(damaged)?;
+                image.into_rgba8().into_raw()
+            }
+            Format::Ktx2 => ktx2::texels(&self.bytes)?,
+        };
+        let texels: Arc<[_]> = bytes.as_chunks::<4>().0.into();
         if texels.is_empty() {
             return Err("is an image without a texel".to_owned());
         }

@@ -1,5 +1,7 @@
 //! Materials: glTF's metallic-roughness model, and what it says of a point of a surface.
 
+use super::coat::{Coat, Coating};
+use super::transmission::{Passage, Transmission, Walls};
 use super::{Texture, TextureId};
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use std::sync::Arc;
@@ -71,6 +73,12 @@ pub struct Material {
     pub emission_texture: Option<TextureSlot>,
     /// How alpha is used.
     pub alpha: AlphaMode,
+    /// Index of refraction, by which a dielectric reflects and bends light: 1.5 where nothing is said.
+    pub ior: f32,
+    /// How light passes; `None` of an opaque material.
+    pub transmission: Option<Transmission>,
+    /// The clear layer over it.
+    pub coat: Option<Coat>,
 }
 
 impl Default for Material {
@@ -90,6 +98,9 @@ impl Default for Material {
             emission: Vec3::ZERO,
             emission_texture: None,
             alpha: AlphaMode::Opaque,
+            ior: USUAL_IOR,
+            transmission: None,
+            coat: None,
         }
     }
 }
@@ -110,9 +121,16 @@ pub struct Surface {
     pub mean_free_path: Vec3,
     /// Emitted radiance.
     pub emission: Vec3,
+    /// How light passes, of which only truth of `path` knows: the diffuse albedo is that of an opaque
+    /// surface.
+    pub transmission: Option<Passage>,
+    /// The clear layer over it, of which only truth of `path` knows.
+    pub coat: Option<Coating>,
 }
 
-/// Specular reflectance of a dielectric with refractive index 1.5 at normal incidence (glTF 2.0, appendix B).
+/// Index of refraction where nothing is said of it (glTF 2.0, appendix B).
+const USUAL_IOR: f32 = 1.5;
+/// Specular reflectance of a dielectric of that index at normal incidence.
 const DIELECTRIC_SPECULAR: f32 = 0.04;
 
 impl Material {
@@ -127,7 +145,8 @@ impl Material {
         let metallic_roughness = read(self.metallic_roughness_texture, textures, uvs);
         let metallic = (self.metallic * metallic_roughness.z).clamp(0.0, 1.0);
         let base = base.truncate().clamp(Vec3::ZERO, Vec3::ONE);
-        let (body, coat) = (base * (1.0 - metallic), Vec3::splat(DIELECTRIC_SPECULAR).lerp(base, metallic));
+        let (body, coat) =
+            (base * (1.0 - metallic), Vec3::splat(self.dielectric_specular()).lerp(base, metallic));
         let (diffuse, specular) = match (self.gloss, self.specular) {
             (Gloss::None, _) => (body, Vec3::ZERO),
             (Gloss::Microfacets, _) => (body, coat),
@@ -144,7 +163,17 @@ impl Material {
             gloss: self.gloss,
             mean_free_path: self.mean_free_path,
             emission: self.emitted(textures, uvs),
+            transmission: self.transmission.as_ref().and_then(|of| of.at(self.ior, textures, uvs)),
+            coat: self.coat.as_ref().and_then(|coat| coat.at(textures, uvs)),
         }
+    }
+
+    /// What a dielectric of its index of refraction reflects at normal incidence (KHR_materials_ior).
+    pub fn dielectric_specular(&self) -> f32 {
+        if self.ior == USUAL_IOR {
+            return DIELECTRIC_SPECULAR;
+        }
+        ((self.ior - 1.0) / (self.ior + 1.0)).powi(2)
     }
 
     /// Radiance emitted at a point, to both sides.
@@ -167,7 +196,9 @@ impl Material {
         let normal = self.normal_texture.map(|(slot, _)| slot);
         let slots =
             [self.base_colour_texture, self.metallic_roughness_texture, self.emission_texture, normal];
-        slots.into_iter().flatten()
+        let transmission = self.transmission.as_ref().and_then(|transmission| transmission.texture);
+        let coat = self.coat.as_ref().map_or([None; 3], Coat::textures);
+        slots.into_iter().chain([transmission]).chain(coat).flatten()
     }
 
     /// Whether a share of light may pass through it: whether its opacity must be asked.
@@ -175,16 +206,35 @@ impl Material {
         self.alpha != AlphaMode::Opaque
     }
 
+    /// Whether light may pass it without being bent, as through a pane.
+    pub fn may_pass_light_straight(&self) -> bool {
+        self.transmission.as_ref().is_some_and(|transmission| transmission.walls == Walls::Thin)
+    }
+
     /// The tangent-space normal at a point, unit length; `None` without a normal map.
     pub fn tangent_normal(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Option<Vec3> {
-        let (slot, scale) = self.normal_texture?;
-        let value = read(Some(slot), textures, uvs).truncate() * 2.0 - Vec3::ONE;
-        (value * Vec3::new(scale, scale, 1.0)).try_normalize()
+        tangent_normal(self.normal_texture, textures, uvs)
+    }
+
+    /// The same of the clear coat.
+    pub fn coat_normal(&self, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Option<Vec3> {
+        tangent_normal(self.coat.as_ref()?.normal_texture, textures, uvs)
     }
 }
 
+/// The normal of a normal map.
+fn tangent_normal(
+    map: Option<(TextureSlot, f32)>,
+    textures: &[Arc<Texture>],
+    uvs: [Vec2; 2],
+) -> Option<Vec3> {
+    let (slot, scale) = map?;
+    let value = read(Some(slot), textures, uvs).truncate() * 2.0 - Vec3::ONE;
+    (value * Vec3::new(scale, scale, 1.0)).try_normalize()
+}
+
 /// The value of a slot, white where there is none.
-fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec4 {
+pub(super) fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) -> Vec4 {
     slot.map_or(Vec4::ONE, |slot| {
         textures[slot.texture.0 as usize].sample(slot.transform.transform_point2(uvs[slot.uv_set]))
     })
@@ -193,6 +243,14 @@ fn read(slot: Option<TextureSlot>, textures: &[Arc<Texture>], uvs: [Vec2; 2]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_usual_index_of_refraction_reflects_four_percent() {
+        let of = |ior| Material { ior, ..Material::default() }.dielectric_specular();
+        assert_eq!(of(1.5), 0.04);
+        assert!((of(1.500_001) - 0.04).abs() < 1e-6 && (of(2.0) - 1.0 / 9.0).abs() < 1e-6);
+        assert_eq!(of(1.0), 0.0);
+    }
 
     #[test]
     fn phong_reflects_its_own_specular_colour_and_no_more_than_it_receives() {

@@ -3,6 +3,7 @@
 pub mod animated;
 pub mod box_mapping;
 pub mod camera;
+pub mod coat;
 mod decode;
 pub mod environment;
 mod file;
@@ -24,6 +25,7 @@ pub mod procedural;
 pub mod source;
 pub mod summary;
 pub mod texture;
+pub mod transmission;
 
 pub use animated::AnimatedScene;
 pub use camera::{Camera, Lens};

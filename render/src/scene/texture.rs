@@ -77,7 +77,7 @@ impl Texture {
         Self { filter, ..self }
     }
 
-    /// Reads a PNG or JPEG image, whose colours are taken as sRGB, to be repeated.
+    /// Reads a PNG, JPEG, BMP, TGA or KTX2 image, whose colours are taken as sRGB, to be repeated.
     ///
     /// # Errors
     /// If the file is missing, damaged or no such image.

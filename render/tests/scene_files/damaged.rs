@@ -295,7 +295,7 @@ fn what_a_file_refers_to_is_named() {
     write(folder.path(), "half.png", &image[..image.len() / 2]);
     assert!(try_with(&textured("half.png")).contains("image 0 `half.png` is a damaged image"));
     write(folder.path(), "text.png", "not an image");
-    assert!(try_with(&textured("text.png")).contains("`text.png` is no PNG, JPEG, BMP or TGA"));
+    assert!(try_with(&textured("text.png")).contains("`text.png` is no PNG, JPEG, BMP, TGA or KTX2"));
     let embedded = format!("data:image/png;base64,{}", base64(&image[..40]));
     assert!(try_with(&textured(&embedded)).contains("image 0 `bark` is a damaged image"));
     // A signature and a header that asks for 2^31 by 2^31 texels.

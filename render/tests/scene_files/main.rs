@@ -8,6 +8,8 @@ mod data;
 mod environment;
 mod fuzz;
 mod glowing;
+mod ktx2;
+mod layers;
 mod malformed;
 mod moving;
 mod obj;

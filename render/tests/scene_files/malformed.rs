@@ -128,7 +128,7 @@ const IMAGES: [(&str, &str); 8] = [
     ("PngSuite missing IDAT", "IDAT or fdAT chunk is missing"),
     ("PngSuite incorrect IHDR checksum", "CRC error"),
     ("fuzz regression, MIT/Apache", "is a damaged image"),
-    ("", "is no PNG, JPEG, BMP or TGA image"),
+    ("", "is no PNG, JPEG, BMP, TGA or KTX2 image"),
 ];
 
 /// Columns of a table of the data's, by the file that they are of.

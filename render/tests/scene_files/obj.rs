@@ -100,7 +100,7 @@ fn what_is_damaged_is_refused_by_name() {
             "a damaged texture",
             face("mtllib b.mtl\n"),
             "newmtl m\nmap_Kd b.mtl\n",
-            "b.mtl: is no PNG, JPEG, BMP or TGA",
+            "b.mtl: is no PNG, JPEG, BMP, TGA or KTX2",
         ),
         ("a face out of range", format!("{SQUARE}f 1 2 9\n"), "", "line 7"),
         ("a face of nothing", format!("{SQUARE}f 1 2 x\n"), "", "line 7"),

@@ -4,7 +4,6 @@
 
 const GLOSS_PHONG = 1.0;
 const GLOSS_NONE = 2.0;
-const DIELECTRIC_SPECULAR = 0.04;
 
 struct Reflectance {
     diffuse: vec3f,
@@ -14,7 +13,7 @@ struct Reflectance {
 // From base colour and metalness at the point; `material.gloss_path.x` says how what is specular spreads.
 fn reflectance(material: MaterialRecord, base: vec3f, metallic: f32) -> Reflectance {
     let body = base * (1.0 - metallic);
-    let coat = mix(vec3f(DIELECTRIC_SPECULAR), base, metallic);
+    let coat = mix(vec3f(material.factors.w), base, metallic);
     let gloss = material.gloss_path.x;
     if gloss == GLOSS_NONE {
         return Reflectance(body, vec3f(0.0));

@@ -2,7 +2,8 @@
 struct MaterialRecord {
     /// Base colour and alpha.
     base: vec4f,
-    /// Metalness, roughness, the alpha below which nothing is there, nothing.
+    /// Metalness, roughness, the alpha below which nothing is there, what it reflects as a dielectric at
+    /// normal incidence.
     factors: vec4f,
     /// Emitted radiance; scale of the normal map, 0 without one.
     emission: vec4f,

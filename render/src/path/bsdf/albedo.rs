@@ -51,7 +51,7 @@ pub fn directional_table() -> &'static [[f32; 2]] {
 }
 
 /// The table's values between its places.
-fn directional_shares(roughness: f32, cosine: f32) -> [f32; 2] {
+pub(super) fn directional_shares(roughness: f32, cosine: f32) -> [f32; 2] {
     let table = directional_table();
     let [(low, right), (row, up)] = [roughness, cosine].map(|value| {
         let at = value.clamp(0.0, 1.0) * (COSINES - 1) as f32;

@@ -21,6 +21,8 @@ pub struct Fresnel {
     added: Vec3,
     /// Over the mean of what is let through.
     inverse_mean: Vec3,
+    /// The index of refraction of the body that light comes out of; `None` of light that comes from outside.
+    out_of: Option<f32>,
 }
 
 impl Fresnel {
@@ -30,11 +32,26 @@ impl Fresnel {
         let added = (Vec3::splat(grazing) - specular).max(Vec3::ZERO);
         let let_through = Vec3::ONE - specular - added * MEAN_OF_FIFTH;
         // A white mirror lets nothing through.
-        Self { normal: specular, added, inverse_mean: let_through.max(Vec3::splat(1e-6)).recip() }
+        let inverse_mean = let_through.max(Vec3::splat(1e-6)).recip();
+        Self { normal: specular, added, inverse_mean, out_of: None }
     }
 
-    /// Share reflected at an angle of incidence, by its cosine.
+    /// The same surface, met from within a body of an index of refraction of at least 1.
+    #[must_use]
+    pub const fn out_of(self, ior: f32) -> Self {
+        Self { out_of: Some(ior), ..self }
+    }
+
+    /// Share reflected at an angle of incidence, by its cosine. From within, it is that of the angle outside,
+    /// to which light is bent, and all where there is none (total reflection): the same both ways.
     pub fn reflected(&self, cosine: f32) -> Vec3 {
+        let cosine = match self.out_of {
+            None => cosine,
+            Some(ior) => match 1.0 - ior * ior * (1.0 - cosine * cosine) {
+                squared if squared > 0.0 => squared.sqrt(),
+                _ => return Vec3::ONE,
+            },
+        };
         self.normal + self.added * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
     }
 

@@ -1,3 +1,5 @@
+mod layers;
+
 use super::*;
 use crate::path::chi_square::{self, p_value, rejects};
 use crate::path::proving::least_squares;
@@ -7,7 +9,7 @@ use glam::Vec4;
 
 /// A point whose shading normal is z and its triangle's as well.
 fn flat(material: &Material) -> Bsdf {
-    Bsdf::of(&material.surface(&[], [glam::Vec2::ZERO; 2], Vec4::ONE), Vec3::Z, Vec3::Z)
+    Bsdf::of(&material.surface(&[], [Vec2::ZERO; 2], Vec4::ONE), Vec3::Z, Vec3::Z)
 }
 
 fn material(gloss: Gloss, metallic: f32, roughness: f32, colour: Vec3) -> Material {
@@ -104,7 +106,7 @@ fn a_sampler_does_not_have_the_density_of_a_rougher_surface() {
 fn a_tilted_shading_normal_has_its_density_and_lets_no_light_through() {
     let triangle = Vec3::new(0.0, 0.6, 0.8);
     for gloss in [Gloss::None, Gloss::Microfacets, Gloss::Phong] {
-        let surface = material(gloss, 0.0, 0.5, Vec3::ONE).surface(&[], [glam::Vec2::ZERO; 2], Vec4::ONE);
+        let surface = material(gloss, 0.0, 0.5, Vec3::ONE).surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
         let bsdf = Bsdf::of(&surface, Vec3::Z, triangle);
         let to_viewer = viewer(30.0);
         let sample = |stream: &mut Stream| {
@@ -164,8 +166,7 @@ fn weights_come_to_the_albedo_which_is_at_most_one() {
 
 #[test]
 fn a_diffuse_base_that_gets_all_light_would_reflect_more_than_there_is() {
-    let surface =
-        material(Gloss::Microfacets, 0.0, 0.3, Vec3::ONE).surface(&[], [glam::Vec2::ZERO; 2], Vec4::ONE);
+    let surface = material(Gloss::Microfacets, 0.0, 0.3, Vec3::ONE).surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
     let interface = Surface { diffuse: Vec3::ZERO, ..surface };
     let alone = albedo(&Bsdf::of(&interface, Vec3::Z, Vec3::Z), viewer(65.0));
     let together = albedo(&Bsdf::of(&surface, Vec3::Z, Vec3::Z), viewer(65.0));
@@ -253,7 +254,7 @@ fn errors_fall_at_least_as_fast_as_the_root_of_the_samples() {
 #[test]
 fn directional_albedo_is_what_surfaces_reflect_to_a_viewer() {
     for (name, material) in materials().into_iter().filter(|(name, _)| name.starts_with("ggx")) {
-        let surface = material.surface(&[], [glam::Vec2::ZERO; 2], Vec4::ONE);
+        let surface = material.surface(&[], [Vec2::ZERO; 2], Vec4::ONE);
         let mut worst_of_diffuse = 0.0f32;
         for degrees in ANGLES {
             let to_viewer = viewer(degrees);

@@ -1,3 +1,4 @@
+mod glass;
 mod veach;
 
 use super::*;

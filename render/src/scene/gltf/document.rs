@@ -10,15 +10,20 @@ use std::path::Path;
 use validation::{Checked, Error, Validate};
 
 /// Extensions that a file may require. Unlit materials are drawn as if lit, which that extension allows.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 9] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 

@@ -1,8 +1,9 @@
-//! Materials: metallic-roughness, with emissive strength and texture transforms (glTF 2.0, 3.9).
+//! Materials: metallic-roughness, with emissive strength, texture transforms and layers (glTF 2.0, 3.9).
 
 use super::{
     super::{AlphaMode, Material, SceneError, TextureSlot, texture::Encoding},
     document::File,
+    layers,
     texture::TextureList,
 };
 use glam::{Affine2, Vec3};
@@ -49,6 +50,7 @@ fn read_one(
     let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     let error = |what: String| file.invalid(format!("material `{name}`: {what}"));
+    let layers = layers::read(file, material, textures).map_err(error)?;
     let mut slot = |info: Option<&Info>, encoding| {
         info.map_or(Ok(None), |info| plain_slot(file, info, encoding, textures))
     };
@@ -74,6 +76,9 @@ fn read_one(
             Checked::Valid(FileAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
         },
         name: name.clone(),
+        ior: layers.ior.unwrap_or(Material::default().ior),
+        transmission: layers.transmission,
+        coat: layers.coat,
         ..Material::default()
     };
     let finite = read.base_colour.is_finite() && read.emission.is_finite();
@@ -82,7 +87,7 @@ fn read_one(
 }
 
 /// The slot of a texture other than a normal map, if it has an image.
-fn plain_slot(
+pub(super) fn plain_slot(
     file: &File<'_>,
     info: &Info,
     encoding: Encoding,
@@ -93,7 +98,7 @@ fn plain_slot(
 }
 
 /// The slot of a normal map, if it has an image, with the map's strength.
-fn normal_slot(
+pub(super) fn normal_slot(
     file: &File<'_>,
     info: &NormalTexture,
     textures: &mut TextureList,
@@ -124,6 +129,10 @@ fn slot(
     let transform = affine(&transform);
     if !transform.is_finite() {
         return Err(format!("{TEXTURE_TRANSFORM} holds a value that is not finite"));
+    }
+    let count = file.document.textures().len();
+    if texture >= count {
+        return Err(format!("reads texture {texture} of {count}"));
     }
     if uv_set > 1 {
         textures.leave_out(texture, uv_set);

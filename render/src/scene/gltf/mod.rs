@@ -4,8 +4,8 @@
 //!
 //! A file is untrusted: the JSON is validated as a whole, every accessor is held against its buffer before it
 //! is read, and sizes are added up before anything is instantiated. Extensions that a file uses without
-//! requiring them, and that are not in the list, are left out as the specification allows (clear coat,
-//! transmission, ...), which [`Scene::warnings`] say.
+//! requiring them, and that are not in the list, are left out as the specification allows (sheen,
+//! iridescence, ...), which [`Scene::warnings`] say.
 
 mod animation;
 mod buffers;
@@ -13,6 +13,7 @@ mod check;
 mod compressed;
 mod document;
 mod instances;
+mod layers;
 mod light;
 mod material;
 mod mesh;

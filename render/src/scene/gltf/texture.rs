@@ -14,7 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Endings of images that extensions of glTF bring, and that are not read here.
-const UNREAD_ENDINGS: [&str; 6] = [".webp", ".avif", ".ktx", ".ktx2", ".basis", ".dds"];
+const UNREAD_ENDINGS: [&str; 5] = [".webp", ".avif", ".ktx", ".basis", ".dds"];
+
+/// The extension that brings KTX2 images.
+const BASISU: &str = "KHR_texture_basisu";
 
 /// The textures that materials read, in the order in which they were asked for.
 #[derive(Debug, Default)]
@@ -48,13 +51,10 @@ impl TextureList {
             Some(MagFilter::Nearest) => Filter::Nearest,
             Some(MagFilter::Linear) | None => Filter::Linear,
         };
-        // Of a texture without a source the JSON names an image beyond all.
-        let json = file.document.as_json();
-        let image = json.textures[texture.index()].source.value();
-        if !json.images.get(image).is_some_and(is_read) {
+        let Some(image) = image_of(file, texture.index()) else {
             self.without_image.insert(texture.index());
             return None;
-        }
+        };
         let wanted = TextureUse { image, encoding, wrap, filter };
         let known = self.wanted.iter().position(|known| *known == wanted);
         let index = known.unwrap_or_else(|| {
@@ -83,9 +83,9 @@ impl TextureList {
         self.without_image.iter().map(|index| {
             let texture = &file.document.as_json().textures[*index];
             let others = texture.extensions.iter().flat_map(|extensions| extensions.others.keys());
-            let others: Vec<&str> = others.map(String::as_str).collect();
+            let others: Vec<&str> = others.map(String::as_str).filter(|name| *name != BASISU).collect();
             let why = match others.as_slice() {
-                [] => "has no PNG or JPEG image".to_owned(),
+                [] => "has no PNG, JPEG or KTX2 image".to_owned(),
                 _ => format!("has its image by {}, which is not supported,", others.join(" and ")),
             };
             format!("texture {index} {why} and is left out")
@@ -115,11 +115,24 @@ fn wrap(mode: WrappingMode) -> Wrap {
     }
 }
 
-/// Whether an image is of a kind that glTF itself has, as far as its name and type say.
+/// The image of a texture: its own, as others have only what was lost in compression; else one by
+/// KHR_texture_basisu. `None` where neither is of a kind that is read.
+fn image_of(file: &File<'_>, texture: usize) -> Option<usize> {
+    let json = file.document.as_json();
+    let texture = &json.textures[texture];
+    let basisu = texture.extensions.as_ref().and_then(|extensions| extensions.others.get(BASISU));
+    let packed = basisu.and_then(|said| usize::try_from(said.get("source")?.as_u64()?).ok());
+    // Of a texture without a source the JSON names an image beyond all.
+    let mut images = [Some(texture.source.value()), packed].into_iter().flatten();
+    images.find(|image| json.images.get(*image).is_some_and(is_read))
+}
+
+/// Whether an image is of a kind that is read, as far as its name and type say.
 fn is_read(image: &json::Image) -> bool {
     let uri = image.uri.as_deref().unwrap_or_default().to_ascii_lowercase();
     let kind = image.mime_type.as_ref().map_or("", |kind| kind.0.as_str());
-    let is_data = |kind: &str| uri.strip_prefix("data:image/").is_some_and(|rest| rest.starts_with(kind));
+    let data = uri.strip_prefix("data:image/").and_then(|rest| rest.split([';', ',']).next());
+    let is_data = |kind: &str| data == Some(kind);
     let unread =
         |ending: &str| uri.ends_with(ending) || kind.ends_with(&ending[1..]) || is_data(&ending[1..]);
     !UNREAD_ENDINGS.into_iter().any(unread)

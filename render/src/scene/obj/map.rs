@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const LONGEST: usize = 1024;
 
 /// Endings of images that modelling programs write, and that are not read here.
-const UNREAD_ENDINGS: [&str; 10] = ["tif", "tiff", "gif", "webp", "dds", "psd", "exr", "hdr", "ktx2", "avif"];
+const UNREAD_ENDINGS: [&str; 9] = ["tif", "tiff", "gif", "webp", "dds", "psd", "exr", "hdr", "avif"];
 
 /// An image that a material reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,9 @@ impl Map {
         let map = |(path, mut options): (PathBuf, Options)| {
             if is_unread(&path) {
                 let name = path.display();
-                options.odd.push(format!("`{name}` is no PNG, JPEG, BMP or TGA image; the map is left out"));
+                options
+                    .odd
+                    .push(format!("`{name}` is no PNG, JPEG, BMP, TGA or KTX2 image; the map is left out"));
                 return (None, options.odd);
             }
             let (placement, strength) = (options.placement, options.strength);

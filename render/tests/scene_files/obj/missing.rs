@@ -79,5 +79,5 @@ fn a_damaged_image_is_refused() {
     let library = b"newmtl m\nmap_Kd t.png\n";
     let files: [(&str, &[u8]); 3] = [("a.obj", text.as_bytes()), ("b.mtl", library), ("t.png", b"no image")];
     let error = load(&files).expect_err("a damaged image").to_string();
-    assert!(error.contains("t.png: is no PNG, JPEG, BMP or TGA"), "{error}");
+    assert!(error.contains("t.png: is no PNG, JPEG, BMP, TGA or KTX2"), "{error}");
 }
