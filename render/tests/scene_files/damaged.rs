@@ -23,10 +23,10 @@ fn json_that_lies_is_named() {
     assert!(load(&good, 0.0).is_ok());
     let cases = [
         (
-            "basis",
+            "webp",
             r#""asset":"#,
-            r#""extensionsRequired":["KHR_texture_basisu"],"asset":"#,
-            "KHR_texture_basisu",
+            r#""extensionsRequired":["EXT_texture_webp"],"asset":"#,
+            "EXT_texture_webp",
         ),
         ("version", r#""2.0""#, r#""1.0""#, "is glTF 1.0"),
         ("newer version", r#""2.0""#, r#""2.1","minVersion":"2.1""#, "needs 2.1"),
