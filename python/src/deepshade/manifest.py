@@ -75,7 +75,7 @@ def _record(value: dict[str, Any]) -> PairRecord:
 def _check_version(path: Path, origin: dict[str, Any]) -> None:
     """Data of another version hold other things under the same names."""
     theirs, effect = origin.get("data_version"), origin["recipe"]["effect"]
-    ours = 5 if effect in {"aa", "motion-blur", "sss", "subsurface"} else 4
+    ours = 5 if effect in {"aa", "motion-blur", "path", "real", "sss", "subsurface"} else 4
     if theirs != ours:
         raise DatasetError(
             f"{path} is of version {theirs} of the data; this package reads {ours}: make them again"
