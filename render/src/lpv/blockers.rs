@@ -90,10 +90,8 @@ fn first_cell(at: Vec3, normal: Vec3, offset: IVec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::BVec3;
 
-    const GRID: LightGrid =
-        LightGrid { low: Vec3::ZERO, cell: 1.0, size: IVec3::new(6, 5, 4), handed: [BVec3::FALSE; 2] };
+    const GRID: LightGrid = LightGrid { low: Vec3::ZERO, cell: 1.0, size: IVec3::new(6, 5, 4) };
 
     /// A wall across an axis at a height in cells, from a place on along the other axes.
     fn wall(blockers: &mut Blockers, axis: usize, height: f32, from: f32) {

@@ -2,7 +2,7 @@
 
 use crate::scene::Bounds;
 use deepshade_shaders::wgsl::uniforms;
-use glam::{BVec3, IVec3, Vec3};
+use glam::{IVec3, Vec3};
 
 /// Cells around a scene, so that light beside its outermost surfaces has some.
 const MARGIN: i32 = 1;
@@ -12,16 +12,9 @@ const MOST: i32 = 128;
 
 /// How far from the border a finer grid begins to light what is in it, and from where on it does alone,
 /// cells.
-const FADES: [f32; 2] = [2.0, 4.0];
+pub const FADES: [f32; 2] = [2.0, 4.0];
 
-/// Fewest cells of a coarser grid that a finer one covers along an axis, if there are so many: with fewer the
-/// grid in that one would light points which that one does not yet light alone.
-const FEWEST_COVERED: i32 = 7;
-
-/// Where there is no border, cells away.
-const NOWHERE: f32 = 1e9;
-
-/// Cubic cells around a scene, or around the camera in a coarser grid.
+/// Cubic cells around a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightGrid {
     /// The lowest corner, world space, metres.
@@ -30,9 +23,6 @@ pub struct LightGrid {
     pub cell: f32,
     /// Cells along each axis.
     pub size: IVec3,
-    /// At which faces, the lower and the upper one along each axis, a coarser grid hands light over: cells
-    /// along these are the border. Beyond other faces is nothing.
-    pub handed: [BVec3; 2],
 }
 
 impl LightGrid {
@@ -43,56 +33,28 @@ impl LightGrid {
         let cell = (extent.max_element() / inner as f32).max(1e-6);
         let size = (extent / cell * 0.999).ceil().as_ivec3().max(IVec3::ONE) + 2 * MARGIN;
         let low = bounds.centre() - 0.5 * cell * size.as_vec3();
-        Self { low, cell, size, handed: [BVec3::FALSE; 2] }
+        Self { low, cell, size }
     }
 
-    /// Cells of half the edge around a point: a cube of half the longest extent, or what of it lies within
-    /// this grid, which begins and ends between its cells.
+    /// As many cells of half the edge around a point: a box of half the extent, which begins and ends between
+    /// cells of this grid and lies within it.
     pub fn nested(&self, focus: Vec3) -> Self {
-        let half = (self.size.max_element() + 1) / 2;
-        let covers = self.size.min(IVec3::splat(half.max(FEWEST_COVERED)));
+        let covers = (self.size + 1) / 2;
         let begin = (self.in_cells(focus) - 0.5 * covers.as_vec3() + 0.5).floor();
         let begin = begin.max(Vec3::ZERO).min((self.size - covers).as_vec3());
-        let ends = begin.as_ivec3() + covers;
-        Self {
-            low: self.low + self.cell * begin,
-            cell: 0.5 * self.cell,
-            size: 2 * covers,
-            handed: [self.handed[0] | begin.cmpgt(Vec3::ZERO), self.handed[1] | ends.cmplt(self.size)],
-        }
+        Self { low: self.low + self.cell * begin, cell: 0.5 * self.cell, size: 2 * covers }
     }
 
-    /// Where the borders are along each axis, cells from the lowest corner; far away where there are none.
-    fn borders(&self) -> [Vec3; 2] {
-        let nowhere = Vec3::splat(NOWHERE);
-        [
-            Vec3::select(self.handed[0], Vec3::ZERO, -nowhere),
-            Vec3::select(self.handed[1], self.size.as_vec3(), nowhere),
-        ]
+    /// How many cells a cell is from the border, 0 for those at it.
+    pub fn depth(&self, at: IVec3) -> i32 {
+        at.min(self.size - 1 - at).min_element()
     }
 
-    /// Whether a coarser grid hands light over in a cell.
-    pub fn is_border(&self, at: IVec3) -> bool {
-        let [low, high] = self.handed;
-        (low & at.cmpeq(IVec3::ZERO) | high & at.cmpeq(self.size - 1)).any()
-    }
-
-    /// The indices of the cells in which one does.
-    pub fn border(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.cells()).filter(|index| self.is_border(self.at(*index)))
-    }
-
-    /// The first and the last cells along each axis that are not of the border.
-    pub fn inner(&self) -> [IVec3; 2] {
-        let [low, high] = self.handed.map(|faces| IVec3::select(faces, IVec3::ONE, IVec3::ZERO));
-        [low, self.size - 1 - high]
-    }
-
-    /// How much a point of a grid is lit by it, and not by the one around it: nothing beside the border,
-    /// where light of the other is handed over, and all farther in.
+    /// How much a point of a finer grid is lit by it, and not by the one around it: nothing beside the
+    /// border, where light of the other is handed over, and all farther in.
     pub fn share_of(&self, point: Vec3) -> f32 {
-        let (at, [low, high]) = (self.in_cells(point), self.borders());
-        let depth = (at - low).min(high - at).min_element();
+        let at = self.in_cells(point);
+        let depth = at.min(self.size.as_vec3() - at).min_element();
         ((depth - FADES[0]) / (FADES[1] - FADES[0])).clamp(0.0, 1.0)
     }
 
@@ -129,12 +91,9 @@ impl LightGrid {
 
     /// As the passes read it.
     pub fn record(&self) -> uniforms::LightGrid {
-        let [begins, ends] = self.borders().map(|border| border.extend(0.0).to_array());
         uniforms::LightGrid {
             low: self.low.extend(self.cell).to_array(),
             size: self.size.as_vec3().extend(self.cells() as f32).to_array(),
-            begins,
-            ends,
         }
     }
 }
@@ -153,8 +112,7 @@ mod tests {
         assert!((0..grid.cells()).all(|i| grid.index(grid.at(i)) == Some(i)));
         assert_eq!(grid.index(IVec3::new(-1, 0, 0)), None);
         let nested = grid.nested(bounds.centre());
-        assert_eq!((nested.size, nested.cell), (IVec3::new(34, 20, 28), 0.125), "a cube, cut off");
-        assert_eq!(nested.handed, [BVec3::new(true, false, false); 2]);
+        assert_eq!((nested.size, nested.cell), (IVec3::new(34, 10, 14), 0.125));
         for focus in [bounds.min - 9.0, bounds.centre(), bounds.max + 9.0, Vec3::new(0.3, 1.1, 2.2)] {
             let nested = grid.nested(focus);
             let corners =
@@ -164,39 +122,11 @@ mod tests {
                 corners[0].min_element() > -1e-4 && (grid.size.as_vec3() - corners[1]).min_element() > -1e-4
             );
         }
-        let share = |x: f32| nested.share_of(nested.low + Vec3::new(x, 0.1, 0.8));
-        assert_eq!([0.1, 0.375, 0.6, 2.0].map(share), [0.0, 0.5, 1.0, 1.0]);
-        assert_eq!(grid.share_of(grid.low), 1.0, "the coarsest");
-        let borders: Vec<_> = nested.border().collect();
-        assert!(borders.len() == 2 * 20 * 28 && borders.iter().all(|i| nested.at(*i).x % 33 == 0));
-        assert_eq!(nested.inner(), [IVec3::X, nested.size - 1 - IVec3::X]);
+        assert_eq!(
+            [0.1, 0.6, 2.0].map(|x| nested.share_of(nested.low + Vec3::new(x, 0.6, 0.8))),
+            [0.0, 1.0, 1.0]
+        );
         let flat = LightGrid::around(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }, 1);
         assert!(flat.cells() == 27 && flat.cell > 0.0);
-    }
-
-    /// Where a grid has a share, the one around it has all of the rest.
-    #[test]
-    fn shares_of_any_number_of_grids_add_up_to_one() {
-        let size = Vec3::new(9.0, 2.0, 6.0);
-        let bounds = Bounds { min: -size, max: size };
-        for cells in [4, 7, 11, 14, 15, 32, 33] {
-            for focus in [Vec3::ZERO, size, 3.0 * size, Vec3::new(-8.0, 0.4, 2.9), Vec3::new(2.1, 9.0, 5.0)] {
-                let coarsest = LightGrid::around(bounds, cells);
-                let finer = |grid: &LightGrid| Some(grid.nested(focus));
-                let grids: Vec<_> = std::iter::successors(Some(coarsest), finer).take(6).collect();
-                for i in 0..6000 {
-                    let at = IVec3::new(i % 20, i / 20 % 20, i / 400).as_vec3() + 0.5;
-                    // Points ever nearer to the camera.
-                    let near = focus.clamp(-size, size) + 0.5f32.powi(i % 7) * (at / 10.0 - 1.0) * size;
-                    let shares: Vec<f32> = grids.iter().map(|grid| grid.share_of(near)).collect();
-                    let apart = |pair: &[f32]| pair[1] * (1.0 - pair[0]) < 1e-3;
-                    assert!(shares[0] == 1.0 && shares.windows(2).all(apart), "{cells} {focus}: {shares:?}");
-                }
-                let [low, high] = [Vec3::ZERO, coarsest.size.as_vec3()];
-                let nearest = coarsest.low + coarsest.cell * coarsest.in_cells(focus).clamp(low, high);
-                let finest = grids[5].share_of(nearest);
-                assert!(finest == 1.0, "{cells} {focus}: {finest}");
-            }
-        }
     }
 }

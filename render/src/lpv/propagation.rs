@@ -114,6 +114,8 @@ pub struct Field {
     lobes: Vec<Vec<Kept>>,
     /// Whether the first kind is as surfaces sent it.
     is_fresh: bool,
+    /// Whether cells at the border take what arrives.
+    is_nested: bool,
     /// What each iteration adds to steady light.
     begun: Option<Begun>,
     /// What is shown of it.
@@ -223,13 +225,14 @@ impl Field {
     pub(crate) fn of_lobes(scheme: Scheme, kinds: Kinds, lobes: Vec<Vec<Kept>>) -> Self {
         let cells = lobes[0].len();
         let shown = CellFluence::none(cells);
-        Self { kinds, scheme, lobes, is_fresh: true, begun: None, shown }
+        Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, begun: None, shown }
     }
 
     /// It in a finer grid, with light of what a coarser one shows along its border.
     #[must_use]
     pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &CellFluence)) -> Self {
-        for cell in volume.grid.border() {
+        self.is_nested = true;
+        for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
             let light = at_border(outside, volume, cell, self.kinds);
             if let Some(begun) = &mut self.begun {
                 begun.halfway[cell] = Light::default();
@@ -277,6 +280,11 @@ impl Field {
         sums
     }
 
+    /// Whether a cell is one of those that a coarser volume lights.
+    fn is_at_border(&self, volume: &Volume, cell: usize) -> bool {
+        self.is_nested && volume.grid.depth(volume.grid.at(cell)) == 0
+    }
+
     /// What each cell sends out again of the light in it, in all directions.
     fn again(&self, volume: &Volume, cell: usize) -> [f32; 3] {
         if !self.kinds.scattered {
@@ -289,7 +297,7 @@ impl Field {
                 let all: f32 =
                     (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
                 let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
-                match is_sent && !volume.grid.is_border(volume.grid.at(cell)) {
+                match is_sent && !self.is_at_border(volume, cell) {
                     true => all * volume.goes_in(cell, colour),
                     false => all,
                 }
@@ -335,9 +343,10 @@ impl Field {
             let lobe = |arrived: &[Arriving; 3]| arrived.map(|of| self.scheme.lobes.begins(of.kinds[kind]));
             lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
         }
-        for cell in volume.grid.border() {
-            // What goes on from here is the coarser grid's.
-            self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Kept::default());
+        if self.is_nested {
+            for cell in (0..cells).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
+                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Kept::default());
+            }
         }
         for (cell, arrived) in arrived.iter().enumerate() {
             for (colour, of) in arrived.iter().enumerate() {
@@ -357,7 +366,7 @@ impl Field {
     ) -> (Vec<Vec<Kept>>, CellFluence) {
         let lobes = |kind: usize, cell: usize| {
             // What arrives at the border of a finer volume is the coarser one's.
-            let on = if volume.grid.is_border(volume.grid.at(cell)) { 0.0 } else { 1.0 };
+            let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
             let source = begun.sources[kind][cell];
             let all = |colour: usize| source[colour] + arrived[cell][colour].kinds[kind] * on;
             [0, 1, 2].map(|colour| self.scheme.lobes.begins(all(colour)))

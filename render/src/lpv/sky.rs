@@ -64,8 +64,8 @@ fn nearest(direction: Vec3) -> usize {
 }
 
 impl Begun {
-    /// Light that a scene sends by itself, and that of a sky which comes into cells from outside, as much of
-    /// it as `passes` from a point towards where it comes from. In the border light is the coarser grid's.
+    /// Light that a scene sends by itself, and that of a sky which comes into cells along the border, as much
+    /// of it as `passes` from a point towards where it comes from.
     pub fn under(
         volume: &Volume,
         sent: &[Light],
@@ -74,7 +74,8 @@ impl Begun {
     ) -> Self {
         let mut begun = Self { sources: vec![sent.to_vec()], halfway: vec![Light::default(); sent.len()] };
         let (grid, Some(Sky(sky))) = (&volume.grid, sky) else { return begun };
-        for cell in (0..grid.cells()).filter(|cell| !grid.is_border(grid.at(*cell))) {
+        let border = (0..grid.cells()).filter(|cell| grid.depth(grid.at(*cell)) == 0);
+        for cell in border {
             let outside = |offset| grid.index(grid.at(cell) - offset).is_none();
             for (way, neighbour) in neighbours().enumerate().filter(|(_, way)| outside(way.offset)) {
                 let gone = volume.scheme.lobes.gone(&neighbour) * (grid.cell * grid.cell);

@@ -4,12 +4,12 @@ use super::lattice::LINKS;
 use super::lobe::Lobes;
 use super::propagation::{Field, Light, Volume};
 use super::{Flight, LightGrid, Scheme};
-use glam::{BVec3, DVec3, IVec3, Vec3, Vec4, Vec4Swizzles};
+use glam::{DVec3, IVec3, Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 /// Cells of one metre, all alike, with nothing between them.
 pub fn alike(scheme: Scheme, size: IVec3, flight: Flight) -> Volume {
-    let grid = LightGrid { low: Vec3::ZERO, cell: 1.0, size, handed: [BVec3::FALSE; 2] };
+    let grid = LightGrid { low: Vec3::ZERO, cell: 1.0, size };
     Volume {
         grid,
         flights: vec![[flight; 3]; grid.cells()],

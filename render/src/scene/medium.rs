@@ -35,11 +35,6 @@ const MOST_COLLISIONS: f32 = 1e5;
 /// Points of a lamp's way through a grid at which density is looked up.
 pub const POINTS: u32 = 32;
 
-/// Farther than a medium is from any scene, metres, and points of the way there at which density is looked
-/// up.
-const OUTSIDE: f32 = 1e5;
-const POINTS_TO_SKY: u32 = 8;
-
 /// What fills the space between surfaces. Its coefficients are those at density 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
@@ -209,11 +204,6 @@ impl Medium {
         let step = length / points as f32;
         (0..points).map(|i| grid.at(origin + direction * (enters + (i as f32 + 0.5) * step))).sum::<f32>()
             * step
-    }
-
-    /// Density times length from a point to where the sky is, metres.
-    pub fn density_to_sky(&self, point: Vec3, direction: Vec3) -> f32 {
-        self.passed_density(point, direction, OUTSIDE, POINTS_TO_SKY)
     }
 
     /// What of light passes along a piece of a ray, by so many points.

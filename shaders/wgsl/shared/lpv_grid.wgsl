@@ -13,19 +13,8 @@ fn is_cell(at: vec3i) -> bool {
     return all(at >= vec3i(0)) && all(at < vec3i(grid.size.xyz));
 }
 
-// Whether a coarser grid hands light over in a cell.
 fn is_border(at: vec3i) -> bool {
-    let low = vec3f(at);
-    return any(low == grid.begins.xyz) || any(low + 1.0 == grid.ends.xyz);
-}
-
-// The first and the last cells along each axis that are not of the border.
-fn first_inner() -> vec3f {
-    return max(grid.begins.xyz + 1.0, vec3f(0.0));
-}
-
-fn last_inner() -> vec3f {
-    return min(grid.ends.xyz - 1.0, grid.size.xyz) - 1.0;
+    return any(at == vec3i(0)) || any(at == vec3i(grid.size.xyz) - 1);
 }
 
 fn cell_index(at: vec3i) -> u32 {

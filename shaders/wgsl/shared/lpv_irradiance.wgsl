@@ -1,9 +1,10 @@
 // Light of a volume at points between the middles of cells. Passes bind `shown`, [planes, 3, cells]: flux and
-// energy times lengths of ways, watts times cells, first as the medium shows it. Cells of the border are not
-// looked at: what a coarser grid hands over in them is not all of their light.
+// energy times lengths of ways, watts times cells, first as the medium shows it. Where NESTED is 1 cells at
+// the border are not looked at: what a coarser grid hands over in them is not all of their light.
 
 #import shared/lpv_grid
 #constant LOOKUP = 0
+#constant NESTED = 1
 
 struct Fluence {
     // Of red, green and blue in columns, watts for each square metre.
@@ -27,7 +28,8 @@ struct Taps {
 }
 
 fn taps(point: vec3f) -> Taps {
-    let at = clamp(in_cells(point) - 0.5, first_inner(), last_inner());
+    let unseen = vec3f(f32(NESTED));
+    let at = clamp(in_cells(point) - 0.5, unseen, grid.size.xyz - 1.0 - unseen);
     let low = min(floor(at), max(grid.size.xyz - 2.0, vec3f(0.0)));
     return Taps(vec3i(low), at - low);
 }
@@ -68,8 +70,9 @@ fn irradiance_of_cell(at: vec3i, plane: u32, normal: vec3f) -> vec3f {
 // Irradiance on one side of a surface, of cells whose middle it sees: what is behind it does not light it.
 fn irradiance(point: vec3f, normal: vec3f, plane: u32) -> vec3f {
     if LOOKUP == WITHIN {
-        let at = clamp(floor(in_cells(point)), first_inner(), last_inner());
-        return irradiance_of_cell(vec3i(at), plane, normal);
+        let unseen = vec3i(i32(NESTED));
+        let at = clamp(vec3i(floor(in_cells(point))), unseen, vec3i(grid.size.xyz) - 1 - unseen);
+        return irradiance_of_cell(at, plane, normal);
     }
     let lifted = point + 0.5 * grid.low.w * normal;
     let around = taps(lifted);

@@ -3,11 +3,6 @@
 #import shared/medium_span
 #constant MEDIUM = 2
 
-// Farther than the medium is from any scene, metres, and points of the way there at which density is looked
-// up.
-const OUTSIDE = 1e5;
-const POINTS_TO_SKY = 8u;
-
 fn density_of_cell(cell: vec3i) -> f32 {
     return textureLoad(densities, clamp(cell, vec3i(0), vec3i(medium.cells.xyz) - 1), 0).r;
 }
@@ -42,9 +37,4 @@ fn passed_density(origin: vec3f, direction: vec3f, reach: f32, points: u32) -> f
         sum += density_inside(origin + direction * (span.x + (f32(i) + 0.5) * step));
     }
     return sum * step;
-}
-
-// Density times length from a point to where the sky is, metres.
-fn density_to_sky(point: vec3f, direction: vec3f) -> f32 {
-    return passed_density(point, direction, OUTSIDE, POINTS_TO_SKY);
 }

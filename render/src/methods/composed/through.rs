@@ -10,6 +10,9 @@ use deepshade_shaders::wgsl::Shader;
 use deepshade_shaders::{Attribute, MissingAttribute, shows_surface};
 use glam::{IVec2, Vec3};
 
+/// Points of a way through a grid at which density is looked up.
+const POINTS: u32 = 8;
+
 /// Along axes and to corners of a cube; unit vectors.
 fn ways() -> impl Iterator<Item = Vec3> {
     let corner = |i: u32| Vec3::from([0, 1, 2].map(|axis| (2 * (i >> axis & 1)) as f32 - 1.0)).normalize();
@@ -21,7 +24,7 @@ fn share(medium: &Medium, point: Vec3, normal: Vec3) -> Vec3 {
     let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
     for way in ways() {
         let weight = way.dot(normal).max(0.0);
-        sum += weight * (-medium.extinction() * medium.density_to_sky(point, way)).exp();
+        sum += weight * medium.passed_share(point, way, super::FAR, POINTS);
         weights += weight;
     }
     sum / weights.max(1e-6)

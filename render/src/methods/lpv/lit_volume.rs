@@ -26,12 +26,18 @@ pub struct LitVolume {
     grid: LightGrid,
     lookup: Lookup,
     shown: CellFluence,
+    /// Whether it is in a coarser one.
+    is_nested: bool,
     /// The grid of a finer one that is in it.
     finer: Option<LightGrid>,
 }
 
 /// The volume around a scene, and finer ones in it.
 pub struct LitVolumes(pub Vec<LitVolume>);
+
+/// How far outside of a grid a medium is looked for, metres, and at how many points.
+const OUTSIDE: f32 = 1e5;
+const POINTS: u32 = 8;
 
 /// What a cell behind a surface counts at least.
 const LEAST_SEEN: f32 = 1e-3;
@@ -128,8 +134,10 @@ impl VolumeSource<'_> {
         if let Some(light) = by_itself {
             let field = match &self.sky {
                 Some(sky) => {
+                    // What comes into a finer grid comes of the coarser one.
+                    let sky = Some(sky).filter(|_| outside.is_none());
                     let passes = |point, way| passed(medium, kinds.scattered, point, way);
-                    Field::steady(scheme, Begun::under(&volume, &light, Some(sky), passes))
+                    Field::steady(scheme, Begun::under(&volume, &light, sky, passes))
                 }
                 None => Field::new(&volume, Kinds::ONE, &light, &[]),
             };
@@ -143,8 +151,11 @@ impl VolumeSource<'_> {
             emission = Some(emitted);
         }
         let outside = outside.map(|outside| &outside.light);
-        // What sets out from the border is the coarser grid's.
-        grid.border().for_each(|cell| reflected[cell] = Light::default());
+        if outside.is_some() {
+            // What sets out from the border is the coarser grid's.
+            let border = (0..grid.cells()).filter(|cell| grid.depth(grid.at(*cell)) == 0);
+            border.for_each(|cell| reflected[cell] = Light::default());
+        }
         let field = Field::new(&volume, kinds, &reflected, &scattered);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
     }
@@ -178,14 +189,15 @@ impl VolumeSource<'_> {
         let within = |iteration: &usize| (*iteration as f32) * volume.grid.cell < reach;
         field.iterate(volume, (0..self.parameters.iterations).filter(within).count());
         let (grid, lookup) = (volume.grid, volume.scheme.lookup);
-        LitVolume { grid, lookup, shown: field.shown, finer: None }
+        LitVolume { grid, lookup, shown: field.shown, is_nested: outside.is_some(), finer: None }
     }
 }
 
 impl LitVolume {
     /// What of a point's light is its, and not a coarser or a finer one's.
     pub fn share_of(&self, point: Vec3) -> f32 {
-        self.grid.share_of(point) * (1.0 - self.finer.map_or(0.0, |finer| finer.share_of(point)))
+        let own = if self.is_nested { self.grid.share_of(point) } else { 1.0 };
+        own * (1.0 - self.finer.map_or(0.0, |finer| finer.share_of(point)))
     }
 
     /// Fluence of a cell, of each colour the flux in a column, and over all directions.
@@ -197,12 +209,17 @@ impl LitVolume {
         )
     }
 
-    /// The eight cells around a point, with their trilinear weights. Cells of the border are not looked at:
-    /// what a coarser volume hands over in them is not all of their light.
+    /// Cells at each end of an axis that are not looked at: what a coarser volume hands over in them is not
+    /// all of their light.
+    fn unseen(&self) -> i32 {
+        i32::from(self.is_nested)
+    }
+
+    /// The eight cells around a point, with their trilinear weights.
     fn taps(&self, point: Vec3) -> impl Iterator<Item = (IVec3, f32)> + '_ {
         let size = self.grid.size;
-        let [first, last] = self.grid.inner().map(|cell| cell.as_vec3());
-        let at = (self.grid.in_cells(point) - 0.5).clamp(first, last);
+        let unseen = Vec3::splat(self.unseen() as f32);
+        let at = (self.grid.in_cells(point) - 0.5).clamp(unseen, size.as_vec3() - 1.0 - unseen);
         let low = at.floor().min((size.as_vec3() - 2.0).max(Vec3::ZERO));
         (0..8).map(move |i| {
             let corner = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
@@ -221,8 +238,9 @@ impl LitVolume {
     pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
         let cell = self.grid.cell;
         if self.lookup == Lookup::Within {
-            let ([first, last], at) = (self.grid.inner(), self.grid.in_cells(point).floor().as_ivec3());
-            return self.irradiance_of_cell(at.clamp(first, last), normal);
+            let (unseen, at) = (IVec3::splat(self.unseen()), self.grid.in_cells(point).floor().as_ivec3());
+            let at = at.clamp(unseen, self.grid.size - 1 - unseen);
+            return self.irradiance_of_cell(at, normal);
         }
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
         for (at, weight) in self.taps(point + 0.5 * cell * normal) {
@@ -258,7 +276,7 @@ impl LitVolume {
 fn passed(medium: Option<&Medium>, is_similar: bool, point: Vec3, way: Vec3) -> Vec3 {
     let Some(medium) = medium else { return Vec3::ONE };
     let ahead = if is_similar { medium.anisotropy * medium.scattering } else { Vec3::ZERO };
-    (-(medium.extinction() - ahead) * medium.density_to_sky(point, way)).exp()
+    (-(medium.extinction() - ahead) * medium.passed_density(point, way, OUTSIDE, POINTS)).exp()
 }
 
 /// Adds light to that of the same cells, if they have any.

@@ -20,8 +20,8 @@
 //!
 //! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume
 //! of its own until surfels reflect it or the medium scatters it, which is then handed on as that of the
-//! lamps is; where nothing shines by itself there is no such volume. Around the camera there may be finer
-//! grids, each in the one before ([`crate::lpv::cascade`]).
+//! lamps is; where nothing shines by itself there is no such volume. Around the camera there may be a finer
+//! grid ([`crate::lpv::cascade`]).
 //!
 //! The sky shines into a medium through the cells along the grid's border ([`crate::lpv::sky`]), beside what
 //! shines by itself, and goes on doing so: light of all its directions crosses in a cell.
@@ -70,18 +70,15 @@ use deepshade_shaders::{Attribute, Effect, MissingAttribute};
 use glam::Vec3;
 use passes::Filled;
 
-/// Most grids: cells of the finest are then 32 times as small as those of the coarsest.
-pub const MOST_GRIDS: usize = 6;
-
 /// What can be set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct LpvParameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
-    /// Grids: one around the scene, and each of the others around the camera in the one before, of cells half
-    /// as large and about as many.
-    #[schemars(range(min = 1, max = MOST_GRIDS))]
+    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges
+    /// around the camera.
+    #[schemars(range(min = 1, max = 2))]
     pub cascades: usize,
     /// How often light is handed on.
     #[schemars(range(min = 1, max = 512))]
@@ -113,7 +110,7 @@ impl LpvParameters {
     pub fn grids(&self, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
         let coarsest = LightGrid::around(bounds, self.cells);
         let finer = |grid: &LightGrid| Some(grid.nested(camera));
-        std::iter::successors(Some(coarsest), finer).take(self.cascades.clamp(1, MOST_GRIDS)).collect()
+        std::iter::successors(Some(coarsest), finer).take(self.cascades.clamp(1, 2)).collect()
     }
 
     /// The edge of a cell of the finest grid, metres.

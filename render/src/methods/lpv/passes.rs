@@ -309,7 +309,9 @@ fn emission_steps(
     (outside, iterations): (Option<&VolumeOnGpu>, usize),
 ) -> Result<Vec<MethodStep>, GpuError> {
     let Surfels { cloud, shining, .. } = surfels;
-    let reflects = device.pass(Shader::at("methods/lpv/reflect"), &[room.scheme.lookup_constant()])?;
+    let nested = ("NESTED", u32::from(outside.is_some()));
+    let constants = [room.scheme.lookup_constant(), nested];
+    let reflects = device.pass(Shader::at("methods/lpv/reflect"), &constants)?;
     let reads = [&room.record, view, &cloud.totals, &cloud.surfels, &cloud.patches];
     let others = [(6, &emitted.shown), (7, &cloud.starts)];
     let reflecting: Vec<_> = (0..).zip(reads).chain(others).collect();

@@ -37,14 +37,9 @@ impl VolumeOnGpu {
         self.finer.as_ref().unwrap_or(&self.record)
     }
 
-    /// Whether there is a finer one, as the passes have it.
-    fn has_finer(&self) -> (&'static str, u32) {
-        ("FINER", u32::from(self.finer.is_some()))
-    }
-
-    /// Whether its light is added to that of coarser ones, as the passes have it.
-    fn adds(&self) -> (&'static str, u32) {
-        ("ADDS", u32::from(self.is_nested))
+    /// Whether there are others, as the passes have it.
+    fn nesting(&self) -> [(&'static str, u32); 2] {
+        [("NESTED", u32::from(self.is_nested)), ("FINER", u32::from(self.finer.is_some()))]
     }
 
     /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is
@@ -54,7 +49,7 @@ impl VolumeOnGpu {
     /// If the device refuses it.
     pub fn lit_step(&self, to: &Resources<'_>, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let device = to.device;
-        let constants = [self.scheme.lookup_constant(), self.adds(), self.has_finer()];
+        let constants = [&[self.scheme.lookup_constant()][..], &self.nesting()].concat();
         let pass = device.pass(Shader::at("methods/lpv/lit"), &constants)?;
         let [position, normal, valid] = to.seen(SURFACE);
         let reads = [&self.record, position, normal, valid, view, &self.shown];
@@ -110,7 +105,7 @@ impl Marched<'_> {
 
     fn march_step(&self, volume: &VolumeOnGpu, scattered: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let medium = &self.to.scene()?.medium;
-        let constants = [&self.constants(medium, volume)[..], &[volume.adds()]].concat();
+        let constants = [&self.constants(medium, volume)[..], &volume.nesting()].concat();
         let [position, _, valid] = self.to.seen(SURFACE);
         let grid = [&volume.record, self.march, &medium.record, valid, position, self.view];
         let light = [(6, &volume.shown), (7, scattered), (9, volume.finer())];
@@ -133,7 +128,7 @@ impl Marched<'_> {
             ("ADDS", u32::from(self.adds || volume.is_nested)),
             scattered(volume.kinds),
         ];
-        let constants = [&self.constants(medium, volume)[..], &shows].concat();
+        let constants = [&self.constants(medium, volume)[..], &volume.nesting(), &shows].concat();
         let [position, normal, valid] = self.to.seen(SURFACE);
         let buffers = [&volume.record, position, normal, valid, self.view, &volume.shown, image];
         let diffuse = self.to.gbuffer.buffer(Attribute::Diffuse);
@@ -149,9 +144,8 @@ impl Marched<'_> {
         )
     }
 
-    fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 4] {
-        let lookup = volume.scheme.lookup_constant();
-        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), lookup, volume.has_finer()]
+    fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 3] {
+        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), volume.scheme.lookup_constant()]
     }
 }
 

@@ -135,6 +135,11 @@ impl VolumeBuffers {
         ("STEADY", u32::from(self.kinds.is_steady))
     }
 
+    /// Whether it is in a coarser one, as the passes have it.
+    fn nested(&self) -> (&'static str, u32) {
+        ("NESTED", u32::from(self.nesting.is_nested))
+    }
+
     /// Whether the medium is thinned, as the passes have it.
     fn similar(&self) -> (&'static str, u32) {
         ("SIMILAR", u32::from(self.is_similar))
@@ -163,7 +168,8 @@ impl VolumeBuffers {
 
     /// The same of light that is kept apart by sides.
     fn sides_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
-        let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
+        let own = [self.similar(), self.nested()];
+        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let pass = device.pass(Shader::at("methods/lpv/sides"), &constants)?;
         let reads = [(0, &self.record), (1, &self.sums), (6, &world.medium.record)];
         let reads: Vec<_> = reads.into_iter().chain([(7, &self.media), (8, &self.links)]).collect();
@@ -183,7 +189,7 @@ impl VolumeBuffers {
         sky: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let MediumOnGpu { record: medium, densities, kind } = &world.medium;
-        let own = [("MEDIUM", *kind), self.similar()];
+        let own = [("MEDIUM", *kind), self.similar(), self.nested()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let pass = device.pass(Shader::at("methods/lpv/enter"), &constants)?;
         let buffers = [&self.record, &self.sums, &self.states[0], &self.shown, &self.source];
@@ -280,7 +286,7 @@ impl VolumeBuffers {
             && world.medium.kind != MediumOnGpu::EVERYWHERE;
         let borders = ("BORDERS", u32::from(borders));
         let reflects = ("REFLECTS", u32::from(self.kinds.goes_on()));
-        let own = [borders, reflects, self.first(), self.similar(), self.steady()];
+        let own = [borders, reflects, self.first(), self.nested(), self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let compiled = |shows: bool| {
             let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();

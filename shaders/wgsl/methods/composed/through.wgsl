@@ -15,6 +15,11 @@
 // [3, height, width]
 @group(0) @binding(6) var<storage, read_write> part: array<f32>;
 
+// Farther than any scene is large, metres.
+const FAR = 1e5;
+// Points of a way through a grid at which density is looked up.
+const POINTS = 8u;
+
 // Along axes and to corners of a cube; unit vectors.
 fn way(number: u32) -> vec3f {
     if number < 8u {
@@ -41,7 +46,8 @@ fn dim(@builtin(global_invocation_id) id: vec3u) {
     var weights = 0.0;
     for (var i = 0u; i < 14u; i++) {
         let weight = max(dot(way(i), normal), 0.0);
-        sum += weight * exp(-colours(medium.extinction.rgb) * density_to_sky(point, way(i)));
+        let passed = passed_density(point, way(i), FAR, POINTS);
+        sum += weight * exp(-colours(medium.extinction.rgb) * passed);
         weights += weight;
     }
     for (var c = 0u; c < 3u; c++) {

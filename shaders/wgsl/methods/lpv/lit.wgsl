@@ -8,7 +8,7 @@
 #import shared/view
 #import uniforms/frame_view
 #import uniforms/light_grid
-#constant ADDS = 1
+#constant NESTED = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 @group(0) @binding(4) var<uniform> view: FrameView;
@@ -32,7 +32,7 @@ fn light(@builtin(global_invocation_id) id: vec3u) {
         sum = share_here(point) * irradiance(point, from_view(surface_normal(at, pixels), view), 0u) / PI;
     }
     for (var c = 0u; c < 3u; c++) {
-        if ADDS == 1u {
+        if NESTED == 1u {
             sum[c] += image[at + c * pixels];
         }
         image[at + c * pixels] = sum[c];

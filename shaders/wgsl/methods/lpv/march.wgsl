@@ -15,7 +15,7 @@
 #import uniforms/light_grid
 #import uniforms/marching
 #import uniforms/medium_record
-#constant ADDS = 1
+#constant NESTED = 1
 #constant SCALE = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
@@ -91,7 +91,7 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     for (var c = 0u; c < 3u; c++) {
         let at = id.x + small.x * (id.y + small.y * c);
         var all = sum[c] * medium.scattering[c];
-        if ADDS == 1u {
+        if NESTED == 1u {
             all += scattered[at];
         }
         scattered[at] = all;

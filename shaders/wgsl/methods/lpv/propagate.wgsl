@@ -15,6 +15,7 @@
 #constant FACTORS = 0
 #constant FIRST = 1
 #constant LOBES = 0
+#constant NESTED = 1
 #constant REFLECTS = 1
 #constant SCATTERED = 1
 #constant SHOWS = 1
@@ -244,7 +245,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     for (var light = 0u; light < KINDS; light++) {
         for (var c = 0u; c < 3u; c++) {
             var all = vec4f(arrived[light].flux[c], arrived[light].energy[c]);
-            if is_border(at) {
+            if NESTED == 1u && is_border(at) {
                 // What goes on from here is the coarser grid's.
                 all = vec4f(0.0);
             }

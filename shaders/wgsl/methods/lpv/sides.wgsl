@@ -1,8 +1,31 @@
-// Light that surfaces send, kept apart by the side to which they send it, before the first iteration; and what
-// is shown of the way to the middles of cells: render/src/lpv/sides.rs.
+// Light that surfaces send, kept apart by the side to which they send it, before the first iteration, which
+// adds it anew as do all others; and what is shown of the way to the middles of cells: render/src/lpv/sides.rs.
 
-#import shared/lpv_steady
+#import shared/lpv_fixed
+#import shared/lpv_flight
+#import shared/lpv_grid
+#import shared/lpv_kinds
+#import shared/lpv_lattice
+#import shared/lpv_lobe
+#import shared/lpv_medium
+#import uniforms/light_grid
+#import uniforms/medium_record
+#constant NESTED = 1
 
+@group(0) @binding(0) var<uniform> grid: LightGrid;
+// [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
+@group(0) @binding(1) var<storage, read> sums: array<u32>;
+// [sides, 3, cells]: lobes
+@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+// [3, cells]
+@group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
+// [sides, 3, cells]: flux and energy
+@group(0) @binding(4) var<storage, read_write> source: array<vec4f>;
+// [sides]: by how much to multiply what an iteration shows
+@group(0) @binding(5) var<storage, read_write> weights: array<vec4f>;
+@group(0) @binding(6) var<uniform> medium: MediumRecord;
+// [cells, 3]: as media.wgsl writes it
+@group(0) @binding(7) var<storage, read> media: array<vec4f>;
 // [cells, 4]: as links.wgsl writes it
 @group(0) @binding(8) var<storage, read> links: array<vec4u>;
 
@@ -68,6 +91,13 @@ fn passes(begin_at: vec3i, offset: vec3i) -> f32 {
     return f32((links[cell][link / 4u] >> (8u * (link % 4u))) & 255u) / 255.0;
 }
 
+// Light of a colour that surfels have sent into a cell: flux and energy.
+fn sent_into(cell: u32, colour: u32) -> vec4f {
+    let first = 12u * cell + 4u * colour;
+    let all = vec4f(fixed_sum(first), fixed_sum(first + 1u), fixed_sum(first + 2u), fixed_sum(first + 3u));
+    return grid.low.w * grid.low.w * all;
+}
+
 @compute @workgroup_size(64)
 fn begin(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= cell_count() {
@@ -85,7 +115,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             let aside = neighbour(around);
             let there = at - aside;
             // What sets out from the border of a finer grid is the coarser one's.
-            if !is_cell(there) || is_border(there) {
+            if !is_cell(there) || NESTED == 1u && is_border(there) {
                 continue;
             }
             let cell = cell_index(there);
@@ -133,7 +163,8 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             }
         }
         for (var side = 0u; side < KINDS; side++) {
-            set_out(side, c, id.x, begun[side]);
+            source[lobe_index(side, c, id.x)] = begun[side];
+            state[lobe_index(side, c, id.x)] = lobe(begun[side].xyz, begun[side].w);
         }
         shown[lobe_index(0u, c, id.x)] = halfway;
     }
