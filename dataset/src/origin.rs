@@ -15,12 +15,7 @@ use std::path::{Component, Path, PathBuf};
 /// are refused.
 pub const fn data_version(effect: Effect) -> u32 {
     match effect {
-        Effect::Subsurface
-        | Effect::Sss
-        | Effect::MotionBlur
-        | Effect::Aa
-        | Effect::Path
-        | Effect::Real => 5,
+        Effect::Subsurface | Effect::Sss | Effect::MotionBlur | Effect::Aa | Effect::Path | Effect::Real => 5,
         _ => 4,
     }
 }

@@ -22,12 +22,7 @@ fn json_that_lies_is_named() {
     let good = triangle().gltf(ONE_MESH);
     assert!(load(&good, 0.0).is_ok());
     let cases = [
-        (
-            "webp",
-            r#""asset":"#,
-            r#""extensionsRequired":["EXT_texture_webp"],"asset":"#,
-            "EXT_texture_webp",
-        ),
+        ("webp", r#""asset":"#, r#""extensionsRequired":["EXT_texture_webp"],"asset":"#, "EXT_texture_webp"),
         ("version", r#""2.0""#, r#""1.0""#, "is glTF 1.0"),
         ("newer version", r#""2.0""#, r#""2.1","minVersion":"2.1""#, "needs 2.1"),
         ("no mesh", r#""mesh":0"#, r#""mesh":7"#, "nodes[0].mesh: Index out of bounds"),

@@ -144,8 +144,11 @@ impl<'a> Afterglow<'a> {
         let lamps = scene.lights.iter().enumerate();
         let lamps = lamps
             .map(move |(index, light)| (self.glow.schedule_of(index), Arrival::new(scene, light, point)));
-        lamps
-            .chain(self.sky.iter().flat_map(|sky| sky.arrivals().map(move |arrival| (sky.schedule, arrival))))
+        lamps.chain(
+            self.sky
+                .iter()
+                .flat_map(|sky| sky.arrivals().into_iter().map(move |arrival| (sky.schedule, arrival))),
+        )
     }
 
     /// The light that a point of a mesh got, from the beginning on.

@@ -16,22 +16,18 @@ impl Environment {
         samples.filter(|sample| sample.radiance != Vec3::ZERO)
     }
 
-    /// A direction as if it had been taken in proportion to its brightness, the mean of its colours: of few
-    /// directions all are then alike in power, and together as bright as the environment.
-    #[must_use]
-    pub fn evened(&self, sample: EnvironmentSample) -> EnvironmentSample {
-        let whole = 4.0 * PI * self.mean().element_sum();
-        EnvironmentSample { density: sample.radiance.element_sum() / whole, ..sample }
-    }
-
-    /// `count` lamps of the same power that together light surfaces as it does.
+    /// `count` lamps that together are as bright as it.
     pub fn lamps(&self, count: u32) -> Vec<Light> {
+        let directions = || self.directions(count, Vec2::ZERO);
+        // Few directions miss some of the light, or have too much of it.
+        let found: Vec3 = directions().map(|sample| sample.radiance / sample.density).sum();
+        let share = 4.0 * PI * self.mean() / found.max(Vec3::splat(f32::MIN_POSITIVE));
         let lamp = |EnvironmentSample { direction, radiance, density }| Light::Directional {
             direction: -direction,
-            irradiance: radiance / (density * count as f32),
+            irradiance: share * radiance / density,
             pattern: None,
         };
-        self.directions(count, Vec2::ZERO).map(|sample| lamp(self.evened(sample))).collect()
+        directions().map(lamp).collect()
     }
 }
 
