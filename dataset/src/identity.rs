@@ -34,6 +34,14 @@ impl Identity {
     }
 }
 
+/// A material as text, which states every number exactly, and every property that materials may get. Glass
+/// and clear coats do not count: most effects do not see them, and hashes from before them stay what they
+/// were.
+fn in_words(material: &Material) -> String {
+    let bare = Material { name: String::new(), transmission: None, coat: None, ..material.clone() };
+    format!("{bare:?}").replace(", ior: 1.5, transmission: None, coat: None", "")
+}
+
 /// BLAKE3 hash, in hexadecimal, of all that a scene shows: triangles, materials, textures and lights, in
 /// their order. Names and cameras do not count.
 pub fn scene_hash(scene: &Scene) -> String {
@@ -53,8 +61,7 @@ pub fn scene_hash(scene: &Scene) -> String {
         list(mesh.triangles.as_flattened().iter().flat_map(|vertex| vertex.to_le_bytes()).collect());
     }
     for material in &scene.materials {
-        // The text states every number exactly, and every property that materials may get.
-        list(format!("{:?}", Material { name: String::new(), ..material.clone() }).into_bytes());
+        list(in_words(material).into_bytes());
     }
     for texture in &scene.textures {
         list(format!("{:?} {:?} {:?}", texture.size(), texture.encoding(), texture.wrap()).into_bytes());
@@ -102,6 +109,7 @@ fn triangle_hashes(scene: &Scene) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use deepshade_render::scene::coat::Coat;
     use deepshade_render::scene::procedural::Family;
     use deepshade_render::scene::{Encoding, Mesh, Texture, Wrap};
     use glam::Vec3;
@@ -134,10 +142,11 @@ mod tests {
             change(&mut scene);
             scene_hash(&scene)
         };
-        let changes: [fn(&mut Scene); 5] = [
+        let changes: [fn(&mut Scene); 6] = [
             |scene| scene.meshes[0].positions[0].x += 1e-3,
             |scene| scene.meshes[0].triangles[0].swap(0, 1),
             |scene| scene.materials[0].base_colour.w = 0.5,
+            |scene| scene.materials[0].ior = 1.4,
             |scene| {
                 let texel = vec![[1, 2, 3, 254]];
                 scene.textures[0] = Texture::new(1, 1, texel, Encoding::Linear, [Wrap::Clamp; 2]).into();
@@ -151,6 +160,9 @@ mod tests {
             scene.materials[0].name = "other".to_owned();
         });
         assert_eq!(renamed, hash);
+        let coated = changed(|scene| scene.materials[0].coat = Some(Coat { share: 0.5, ..Coat::default() }));
+        assert_eq!(coated, hash);
+        assert!(in_words(&Material::default()).ends_with("alpha: Opaque }"), "as before there were coats");
     }
 
     #[test]

@@ -78,7 +78,7 @@ fn a_sun_has_finer_maps_of_what_is_near() {
     let light = sun(Vec3::new(0.3, -1.0, 0.4));
     let rays = seen(&scene, &Camera::look_at(Vec3::new(1.2, 1.2, 3.6), Vec3::new(0.0, 1.3, -1.0)));
     let map = ShadowMap::new(&scene, &Lamp::new(scene.scene(), &light), &rays, [CASCADES, 512]);
-    let Projection::Parallel(parallel) = &map.projection else { panic!("a sun is far away") };
+    let Projection::Parallel(parallel) = &map.projection else { unreachable!("a sun is far away") };
     let texels_of_a_metre = |cascade: &Cascade| {
         let [from, to] = [[0.0; 2], [1.0; 2]].map(|at| cascade.texels(at));
         [to[0] - from[0], to[1] - from[1]]
