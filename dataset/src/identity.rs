@@ -2,7 +2,7 @@
 //! refers to is noticed, and so is a scene that was exported anew.
 
 use crate::random::mix;
-use deepshade_render::scene::{Bounds, Filter, Material, Scene};
+use deepshade_render::scene::{Bounds, Filter, Material, Scene, Texture};
 
 /// Cells along the diagonal of a scene's box that corners are rounded to: exporting moves them by far less.
 const CELLS: f32 = 16_384.0;
@@ -34,16 +34,42 @@ impl Identity {
     }
 }
 
-/// A material as text, which states every number exactly, and every property that materials may get. Glass
-/// and clear coats do not count: most effects do not see them, and hashes from before them stay what they
-/// were.
+/// A scene's materials without glass and clear coats, and the textures that are left of it then. Most effects
+/// do not see these layers, and hashes from before them stay what they were.
+fn bare(scene: &Scene) -> (Vec<Material>, Vec<&Texture>) {
+    let strip = |material: &Material| Material {
+        name: String::new(),
+        transmission: None,
+        coat: None,
+        ..material.clone()
+    };
+    let mut materials: Vec<Material> = scene.materials.iter().map(strip).collect();
+    let reads = |materials: &[Material], index: u32| {
+        materials.iter().flat_map(Material::textures).any(|slot| slot.texture.0 == index)
+    };
+    let is_left = |index: &u32| reads(&materials, *index) || !reads(&scene.materials, *index);
+    let left: Vec<u32> = (0..scene.textures.len() as u32).filter(is_left).collect();
+    for material in &mut materials {
+        let normal = material.normal_texture.as_mut().map(|(slot, _)| slot);
+        let others = [
+            &mut material.base_colour_texture,
+            &mut material.metallic_roughness_texture,
+            &mut material.emission_texture,
+        ];
+        for slot in others.into_iter().flat_map(Option::as_mut).chain(normal) {
+            slot.texture.0 = left.partition_point(|index| *index < slot.texture.0) as u32;
+        }
+    }
+    (materials, left.iter().map(|index| &*scene.textures[*index as usize]).collect())
+}
+
+/// A bare material as text, which states every number exactly, and every property that materials may get.
 fn in_words(material: &Material) -> String {
-    let bare = Material { name: String::new(), transmission: None, coat: None, ..material.clone() };
-    format!("{bare:?}").replace(", ior: 1.5, transmission: None, coat: None", "")
+    format!("{material:?}").replace(", ior: 1.5, transmission: None, coat: None", "")
 }
 
 /// BLAKE3 hash, in hexadecimal, of all that a scene shows: triangles, materials, textures and lights, in
-/// their order. Names and cameras do not count.
+/// their order. Names, cameras, glass and clear coats do not count.
 pub fn scene_hash(scene: &Scene) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut list = |bytes: Vec<u8>| {
@@ -60,10 +86,11 @@ pub fn scene_hash(scene: &Scene) -> String {
         mesh.uvs.iter().for_each(|uvs| list(floats(uvs.iter().flat_map(|uv| uv.to_array()))));
         list(mesh.triangles.as_flattened().iter().flat_map(|vertex| vertex.to_le_bytes()).collect());
     }
-    for material in &scene.materials {
+    let (materials, textures) = bare(scene);
+    for material in &materials {
         list(in_words(material).into_bytes());
     }
-    for texture in &scene.textures {
+    for texture in textures {
         list(format!("{:?} {:?} {:?}", texture.size(), texture.encoding(), texture.wrap()).into_bytes());
         list(texture.texels().as_flattened().to_vec());
         // Hashes from before there were two ways stay what they were.
@@ -111,8 +138,8 @@ mod tests {
     use super::*;
     use deepshade_render::scene::coat::Coat;
     use deepshade_render::scene::procedural::Family;
-    use deepshade_render::scene::{Encoding, Mesh, Texture, Wrap};
-    use glam::Vec3;
+    use deepshade_render::scene::{Encoding, Mesh, TextureId, TextureSlot, Wrap};
+    use glam::{Affine2, Vec3};
 
     fn scene() -> Scene {
         Family::Stairs.scene(1)
@@ -160,7 +187,14 @@ mod tests {
             scene.materials[0].name = "other".to_owned();
         });
         assert_eq!(renamed, hash);
-        let coated = changed(|scene| scene.materials[0].coat = Some(Coat { share: 0.5, ..Coat::default() }));
+        // A coat with a texture of its own, which comes first.
+        let coated = changed(|scene| {
+            scene
+                .textures
+                .insert(0, Texture::new(1, 1, vec![[9; 4]], Encoding::Linear, [Wrap::Clamp; 2]).into());
+            let slot = TextureSlot { texture: TextureId(0), transform: Affine2::IDENTITY, uv_set: 0 };
+            scene.materials[0].coat = Some(Coat { share: 0.5, texture: Some(slot), ..Coat::default() });
+        });
         assert_eq!(coated, hash);
         assert!(in_words(&Material::default()).ends_with("alpha: Opaque }"), "as before there were coats");
     }
