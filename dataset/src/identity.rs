@@ -140,6 +140,7 @@ mod tests {
     use deepshade_render::scene::procedural::Family;
     use deepshade_render::scene::{Encoding, Mesh, TextureId, TextureSlot, Wrap};
     use glam::{Affine2, Vec3};
+    use std::sync::Arc;
 
     fn scene() -> Scene {
         Family::Stairs.scene(1)
@@ -187,15 +188,21 @@ mod tests {
             scene.materials[0].name = "other".to_owned();
         });
         assert_eq!(renamed, hash);
-        // A coat with a texture of its own, which comes first.
-        let coated = changed(|scene| {
-            scene
-                .textures
-                .insert(0, Texture::new(1, 1, vec![[9; 4]], Encoding::Linear, [Wrap::Clamp; 2]).into());
-            let slot = TextureSlot { texture: TextureId(0), transform: Affine2::IDENTITY, uv_set: 0 };
-            scene.materials[0].coat = Some(Coat { share: 0.5, texture: Some(slot), ..Coat::default() });
-        });
-        assert_eq!(coated, hash);
+        // A coat's own texture comes before that of the surface below.
+        let layered = |coated: bool| {
+            let texture = |value: u8| {
+                Arc::new(Texture::new(1, 1, vec![[value; 4]], Encoding::Linear, [Wrap::Clamp; 2]))
+            };
+            let slot = |index: u32| {
+                Some(TextureSlot { texture: TextureId(index), transform: Affine2::IDENTITY, uv_set: 0 })
+            };
+            let coat = coated.then(|| Coat { share: 0.5, texture: slot(0), ..Coat::default() });
+            let base_colour_texture = slot(u32::from(coated));
+            let materials = vec![Material { base_colour_texture, coat, ..Material::default() }];
+            let textures = if coated { vec![texture(9), texture(1)] } else { vec![texture(1)] };
+            scene_hash(&Scene { materials, textures, ..Scene::default() })
+        };
+        assert_eq!(layered(true), layered(false));
         assert!(in_words(&Material::default()).ends_with("alpha: Opaque }"), "as before there were coats");
     }
 
