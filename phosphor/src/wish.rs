@@ -31,8 +31,8 @@ pub struct CurvePoint {
 pub struct KeyFrame {
     /// The frame, below [`FRAMES`].
     pub frame: usize,
-    /// The moment that it was set at, seconds of the scene: on a curve of another length it has the frame next
-    /// to it.
+    /// The moment that it was set at, seconds of the scene. On a curve of another length it has the frame
+    /// next to it.
     pub seconds: f64,
     /// Luminance of radiance, W/m²/sr.
     pub brightness: f64,

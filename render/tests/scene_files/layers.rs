@@ -10,7 +10,8 @@ use glam::Vec3;
 fn with(extensions: &str) -> Result<Scene, String> {
     let image = base64(&png(1, 1, &[[128, 255, 0]]));
     let text = triangle().gltf(&format!(
-        r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
+        r#""nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],
         "materials":[{{"name":"glass","pbrMetallicRoughness":{{"metallicFactor":0}},
             "extensions":{{{extensions}}}}}],
         "textures":[{{"source":0}},{{"source":0}}],"images":[{{"uri":"data:image/png;base64,{image}"}}]"#
@@ -30,8 +31,10 @@ fn extensions_say_how_light_passes() {
     assert_eq!(pane.transmission, Some(Transmission { share: 0.5, texture: None, walls: Walls::Thin }));
     assert_eq!(material(r#""KHR_materials_transmission":{}"#).transmission, None, "its default is 0");
     let body = material(
-        r#""KHR_materials_transmission":{"transmissionFactor":1,"transmissionTexture":{"index":1,"texCoord":1}},
-        "KHR_materials_volume":{"thicknessFactor":0.1,"attenuationDistance":2,"attenuationColor":[1,0.5,0.25]},
+        r#""KHR_materials_transmission":{"transmissionFactor":1,
+            "transmissionTexture":{"index":1,"texCoord":1}},
+        "KHR_materials_volume":{"thicknessFactor":0.1,"attenuationDistance":2,
+            "attenuationColor":[1,0.5,0.25]},
         "KHR_materials_ior":{"ior":1.33}"#,
     );
     assert_eq!(body.ior, 1.33);

@@ -10,7 +10,8 @@
 //! Why it: no state is kept, so that any moment can be shown at once. Why not: noise that falls with the root
 //! of the samples, and light anew for each. Of what moves a still has shadow maps of poses of the past; in a
 //! sequence it is taken as it is now, at every moment of the past: shadow maps of frames gone by are not
-//! kept. It takes paints as alike everywhere, whatever their textures. Surfaces are seen as if no medium were before them, and what it keeps itself is not shown.
+//! kept. It takes paints as alike everywhere, whatever their textures. Surfaces are seen as if no medium were
+//! before them, and what it keeps itself is not shown.
 
 use super::passes::Finding;
 use super::reference::{found, image};

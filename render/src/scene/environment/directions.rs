@@ -65,7 +65,7 @@ mod tests {
         for normal in [Vec3::X, Vec3::NEG_Z, Vec3::new(1.0, -2.0, 0.5).normalize()] {
             assert!(off(normal) < 0.06, "{normal}: {}", off(normal));
         }
-        // A small sun: nearly all of its light comes from where it is, a texel in whose middle it is brightest.
+        // A small sun: nearly all light comes from one texel, in whose middle it is brightest.
         let mut texels = vec![Vec3::splat(0.01); 64 * 32];
         texels[5 * 64 + 20] = Vec3::new(2e4, 1e4, 5e3);
         let sky = Environment::new("sun".as_ref(), 64, 32, texels).expect("a sky");

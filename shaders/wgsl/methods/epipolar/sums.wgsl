@@ -13,8 +13,8 @@
 @group(0) @binding(0) var<uniform> epipolar: Epipolar;
 // [lines of a part, light rays]
 @group(0) @binding(1) var<storage, read> ends: array<f32>;
-// [5, lines of a part, light rays, 2]: ends in order by nodes of 4, 8, 16, 32 and 64, and sums from each on, places in
-// the upper 13 bits.
+// [5, lines of a part, light rays, 2]: ends in order by nodes of 4, 8, 16, 32 and 64, and sums from each on,
+// places in the upper 13 bits.
 @group(0) @binding(2) var<storage, read_write> sums: array<vec2u>;
 
 const LEAVES = 64u;
