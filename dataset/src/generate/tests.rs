@@ -90,6 +90,31 @@ fn pairs_of_several_scramblings_come_with_a_variance_that_is_how_far_they_are_of
     assert!((0.85..1.15).contains(&ratio), "the variance is {ratio} of the squared error");
 }
 
+/// The composed frame reads more of a surface than pairs hold, and its estimate is of the pair's own frame.
+#[test]
+fn pairs_of_all_light_come_with_the_composed_frame() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plain = recipe(folder.path(), 1);
+    let estimates = vec!["composed:low".to_owned()];
+    let recipe = Recipe { effect: Effect::Path, samples: 64, estimates, ..plain };
+    let out = folder.path().join("out");
+    generate(&recipe, &out).expect("generated");
+    let dataset = Dataset::open(&out).expect("opens");
+    let brightness = |planes: &Planes| planes.data().iter().map(|value| value.ln_1p()).sum::<f32>();
+    let difference = |[a, b]: [&Planes; 2]| {
+        a.data().iter().zip(b.data()).map(|(a, b)| (a.ln_1p() - b.ln_1p()).abs()).sum::<f32>()
+    };
+    let pairs: Vec<_> = (0..dataset.len()).map(|index| dataset.pair(index).expect("reads")).collect();
+    let estimates: Vec<_> =
+        pairs.iter().map(|pair| pair.gbuffer.select(&[Attribute::Estimate]).expect("an estimate")).collect();
+    for (index, pair) in pairs.iter().enumerate() {
+        let whole = brightness(&pair.target);
+        let own = difference([&estimates[index], &pair.target]);
+        let other = difference([&estimates[(index + 1) % pairs.len()], &pair.target]);
+        assert!(whole > 0.0 && own < 0.5 * whole && own < other, "{index}: {own}, {other} of {whole}");
+    }
+}
+
 /// The first line of a journal.
 fn head(origin: &Origin) -> String {
     serde_json::to_string(origin).expect("JSON")

@@ -42,7 +42,8 @@ async function main() {
   scene.add(new THREE.HemisphereLight(0xffffff, 0x998877, 3));
   const camera = new THREE.PerspectiveCamera(50, width / height, 0.05, 100);
   camera.position.set(2.6, 2.2, 3.4);
-  scene.add(wanted.has('scene') ? await model(wanted.get('scene')) : things());
+  const model = wanted.has('scene') ? await modelOf(wanted.get('scene')) : things();
+  scene.add(model);
   const controls = new OrbitControls(camera, renderer.domElement);
   controls.target.set(0, 0.5, 0);
   controls.update();
@@ -85,11 +86,11 @@ async function main() {
     frames += 1;
     document.body.dataset.frames = String(frames);
   });
-  Object.assign(window, { deepshade: { renderer, theirs, ours, pipeline } });
+  Object.assign(window, { deepshade: { renderer, theirs, ours, pipeline, model, camera } });
 }
 
 /** A glTF file in the middle, two metres large. */
-async function model(url) {
+async function modelOf(url) {
   const { scene } = await new GLTFLoader().loadAsync(url);
   const box = new THREE.Box3().setFromObject(scene);
   const scale = 2 / Math.max(...box.getSize(new THREE.Vector3()).toArray());

@@ -45,9 +45,10 @@ impl LightGrid {
         Self { low: self.low + self.cell * begin, cell: 0.5 * self.cell, size: 2 * covers }
     }
 
-    /// How many cells a cell is from the border, 0 for those at it.
-    pub fn depth(&self, at: IVec3) -> i32 {
-        at.min(self.size - 1 - at).min_element()
+    /// The cells along the border.
+    pub fn border(&self) -> impl Iterator<Item = usize> {
+        let is_at_border = |at: IVec3| at.min(self.size - 1 - at).min_element() == 0;
+        (0..self.cells()).filter(move |cell| is_at_border(self.at(*cell)))
     }
 
     /// How much a point of a finer grid is lit by it, and not by the one around it: nothing beside the

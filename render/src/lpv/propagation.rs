@@ -13,9 +13,9 @@ use super::cascade::at_border;
 use super::lattice::{CLASSES, LINKS, SHARES, neighbours};
 use super::lobe::MATTE;
 use super::series::{self, LOOKED_AT};
-use super::sides::{Begun, SIDES, side_of};
+use super::sides::{Begun, SIDES};
 use super::{Flight, LightGrid, Scheme};
-use glam::{Vec4, Vec4Swizzles};
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// Light of three colours in a cell, of each its flux and, last, its energy, watts.
@@ -81,27 +81,12 @@ pub struct CellFluence {
     pub by_medium: Vec<Light>,
     /// By surfaces: the last kind.
     pub by_surfaces: Vec<Light>,
-    /// By nothing, but a finer grid is lit by it: the first kind.
-    pub first: Vec<Light>,
 }
 
 impl CellFluence {
     fn none(cells: usize) -> Self {
         let none = vec![Light::default(); cells];
-        Self { by_medium: none.clone(), by_surfaces: none.clone(), first: none }
-    }
-
-    /// That of one kind of one, or of two that met no medium and of scattered light, or of a side, in a cell.
-    pub fn of_kind(&self, kinds: Kinds, kind: usize, cell: usize) -> Light {
-        let last = self.by_surfaces[cell];
-        if kinds.is_steady && kinds.count() > 1 {
-            return last.map(|light| if side_of(light.xyz()) == kind { light } else { Vec4::ZERO });
-        }
-        match kind + 1 {
-            count if count == kinds.count() => last,
-            1 => self.first[cell],
-            _ => std::array::from_fn(|colour| self.by_medium[cell][colour] - last[colour]),
-        }
+        Self { by_medium: none.clone(), by_surfaces: none }
     }
 }
 
@@ -114,7 +99,7 @@ pub struct Field {
     lobes: Vec<Vec<Kept>>,
     /// Whether the first kind is as surfaces sent it.
     is_fresh: bool,
-    /// Whether cells at the border take what arrives.
+    /// Whether a coarser grid is around it: then cells at the border take what arrives.
     is_nested: bool,
     /// What each iteration adds to steady light.
     begun: Option<Begun>,
@@ -133,7 +118,6 @@ struct Arriving {
     kinds: [Vec4; MOST_KINDS],
     by_medium: Vec4,
     by_surfaces: Vec4,
-    first: Vec4,
     /// By how much to multiply what is shown of each kind.
     weights: [f32; MOST_KINDS],
 }
@@ -173,7 +157,6 @@ impl Arriving {
         kinds: [Vec4::ZERO; MOST_KINDS],
         by_medium: Vec4::ZERO,
         by_surfaces: Vec4::ZERO,
-        first: Vec4::ZERO,
         weights: [1.0; MOST_KINDS],
     };
 
@@ -184,9 +167,6 @@ impl Arriving {
         }
         if kind + 1 == kinds.count() {
             self.by_surfaces += light;
-        }
-        if kind == 0 {
-            self.first += light;
         }
     }
 }
@@ -228,19 +208,14 @@ impl Field {
         Self { kinds, scheme, lobes, is_fresh: true, is_nested: false, begun: None, shown }
     }
 
-    /// It in a finer grid, with light of what a coarser one shows along its border.
+    /// It, of [one kind](Kinds::ONE), in a finer grid, with light of what a coarser one shows along its
+    /// border.
     #[must_use]
-    pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &CellFluence)) -> Self {
+    pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &[Light])) -> Self {
         self.is_nested = true;
-        for cell in (0..volume.grid.cells()).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
-            let light = at_border(outside, volume, cell, self.kinds);
-            if let Some(begun) = &mut self.begun {
-                begun.halfway[cell] = Light::default();
-                begun.sources.iter_mut().zip(&light).for_each(|(source, light)| source[cell] = *light);
-            }
-            for (lobes, light) in self.lobes.iter_mut().zip(light) {
-                lobes[cell] = light.map(|of| self.scheme.lobes.begins(of));
-            }
+        for cell in volume.grid.border() {
+            let light = at_border(outside, volume, cell);
+            self.lobes[0][cell] = light.map(|of| self.scheme.lobes.begins(of));
         }
         self
     }
@@ -280,11 +255,6 @@ impl Field {
         sums
     }
 
-    /// Whether a cell is one of those that a coarser volume lights.
-    fn is_at_border(&self, volume: &Volume, cell: usize) -> bool {
-        self.is_nested && volume.grid.depth(volume.grid.at(cell)) == 0
-    }
-
     /// What each cell sends out again of the light in it, in all directions.
     fn again(&self, volume: &Volume, cell: usize) -> [f32; 3] {
         if !self.kinds.scattered {
@@ -296,8 +266,7 @@ impl Field {
                 let energies = self.scheme.lobes.by_class(lobes[cell][colour]);
                 let all: f32 =
                     (0..CLASSES).map(|class| energies[class] * (1.0 - flight.streams[class])).sum();
-                let is_sent = self.is_fresh && !self.kinds.is_scattered(kind);
-                match is_sent && !self.is_at_border(volume, cell) {
+                match self.is_fresh && !self.kinds.is_scattered(kind) {
                     true => all * volume.goes_in(cell, colour),
                     false => all,
                 }
@@ -336,7 +305,7 @@ impl Field {
             |cell: usize| [0, 1, 2].map(|colour| self.arriving(volume, (&again, of(colour)), cell, colour));
         let arrived: Vec<[Arriving; 3]> = (0..cells).into_par_iter().map(colours).collect();
         if let Some(begun) = &self.begun {
-            (self.lobes, self.shown) = self.steadied(volume, begun, &arrived);
+            (self.lobes, self.shown) = self.steadied(begun, &arrived);
             return;
         }
         for (kind, lobes) in self.lobes.iter_mut().enumerate() {
@@ -344,31 +313,21 @@ impl Field {
             lobes.par_iter_mut().zip(&arrived).for_each(|(light, arrived)| *light = lobe(arrived));
         }
         if self.is_nested {
-            for cell in (0..cells).filter(|cell| volume.grid.depth(volume.grid.at(*cell)) == 0) {
-                self.lobes.iter_mut().for_each(|lobes| lobes[cell] = Kept::default());
-            }
+            volume.grid.border().for_each(|cell| self.lobes[0][cell] = Kept::default());
         }
         for (cell, arrived) in arrived.iter().enumerate() {
             for (colour, of) in arrived.iter().enumerate() {
                 self.shown.by_medium[cell][colour] += of.by_medium;
                 self.shown.by_surfaces[cell][colour] += of.by_surfaces;
-                self.shown.first[cell][colour] += of.first;
             }
         }
     }
 
     /// Lobes of steady light, and what is shown of it, by what has arrived.
-    fn steadied(
-        &self,
-        volume: &Volume,
-        begun: &Begun,
-        arrived: &[[Arriving; 3]],
-    ) -> (Vec<Vec<Kept>>, CellFluence) {
+    fn steadied(&self, begun: &Begun, arrived: &[[Arriving; 3]]) -> (Vec<Vec<Kept>>, CellFluence) {
         let lobes = |kind: usize, cell: usize| {
-            // What arrives at the border of a finer volume is the coarser one's.
-            let on = if self.is_at_border(volume, cell) { 0.0 } else { 1.0 };
             let source = begun.sources[kind][cell];
-            let all = |colour: usize| source[colour] + arrived[cell][colour].kinds[kind] * on;
+            let all = |colour: usize| source[colour] + arrived[cell][colour].kinds[kind];
             [0, 1, 2].map(|colour| self.scheme.lobes.begins(all(colour)))
         };
         let of_kind =
@@ -378,7 +337,7 @@ impl Field {
             std::array::from_fn(|colour| halfway[colour] + arrived[colour].by_medium)
         };
         let shown: Vec<Light> = begun.halfway.iter().zip(arrived).map(shown).collect();
-        (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown.clone(), first: shown })
+        (lobes, CellFluence { by_medium: shown.clone(), by_surfaces: shown })
     }
 
     /// What arrives in a cell of one colour, where cells send so much out again; of each kind so much is

@@ -69,13 +69,12 @@ impl Begun {
     pub fn under(
         volume: &Volume,
         sent: &[Light],
-        sky: Option<&Sky>,
+        Sky(sky): &Sky,
         passes: impl Fn(Vec3, Vec3) -> Vec3,
     ) -> Self {
         let mut begun = Self { sources: vec![sent.to_vec()], halfway: vec![Light::default(); sent.len()] };
-        let (grid, Some(Sky(sky))) = (&volume.grid, sky) else { return begun };
-        let border = (0..grid.cells()).filter(|cell| grid.depth(grid.at(*cell)) == 0);
-        for cell in border {
+        let grid = &volume.grid;
+        for cell in grid.border() {
             let outside = |offset| grid.index(grid.at(cell) - offset).is_none();
             for (way, neighbour) in neighbours().enumerate().filter(|(_, way)| outside(way.offset)) {
                 let gone = volume.scheme.lobes.gone(&neighbour) * (grid.cell * grid.cell);
@@ -107,7 +106,7 @@ mod tests {
         for scheme in [Scheme::OURS, Scheme::PAPER] {
             let volume = alike(scheme, IVec3::new(7, 5, 6), Flight::by(scheme.factors, 0.0, 0.0));
             let none = vec![Light::default(); volume.grid.cells()];
-            let mut field = Field::steady(scheme, Begun::under(&volume, &none, Some(&sky), |_, _| Vec3::ONE));
+            let mut field = Field::steady(scheme, Begun::under(&volume, &none, &sky, |_, _| Vec3::ONE));
             field.iterate(&volume, 40);
             for light in field.shown.by_medium.iter() {
                 for colour in 0..3 {

@@ -16,10 +16,6 @@ use serde_json::{Map, Value};
 const GRIDS: [usize; 2] = [32, 64];
 const ITERATIONS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Two grids, and one that takes as long: names, cells along the scene, of which there are as many
-/// iterations, and grids.
-const NESTED: [(&str, usize, usize); 2] = [("nested", 32, 2), ("one_grid", 38, 1)];
-
 /// Cells along the scene of a grid with the paper's lobes, and as many iterations.
 const BANDS_CELLS: usize = 32;
 
@@ -100,11 +96,6 @@ impl Alternatives {
                 let image = subject.multiple(LpvParameters { cells, iterations, ..parameters })?;
                 score(&format!("multiple_{cells}_{iterations}"), &image);
             }
-        }
-        for (name, cells, cascades) in NESTED {
-            let image =
-                subject.multiple(LpvParameters { cells, cascades, iterations: cells, ..parameters })?;
-            score(&format!("multiple_{name}"), &image);
         }
         let scheme = Scheme { lobes: Lobes::TwoBands, ..Scheme::OURS };
         let (cells, iterations) = (BANDS_CELLS, BANDS_CELLS);

@@ -115,7 +115,7 @@ impl<'a> LpvFrame<'a> {
 
     /// The grid around the scene.
     pub fn grid(&self, parameters: LpvParameters) -> LightGrid {
-        parameters.grids(self.frame.world().bounds, self.view.camera.position)[0]
+        LightGrid::around(self.frame.world().bounds, parameters.cells)
     }
 
     /// The passes of indirect light without a medium.

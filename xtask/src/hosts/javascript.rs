@@ -18,6 +18,11 @@ const NETWORKS: [&str; 4] = ["gi-paper", "gi", "ao", "ao-small"];
 const STRAY: f64 = 0.01;
 /// Rows and columns of the frame that is timed, which suit a software adapter.
 const SIZE: [u32; 2] = [192, 256];
+/// How far occlusion reaches where it is held against truth, metres; samples of a pixel of truth.
+const RADIUS: f64 = 0.5;
+const TRUTH_SAMPLES: u32 = 1024;
+/// By how much similarity may differ from the program's of the same picture, which a PNG file rounds.
+const SIMILAR: f64 = 0.005;
 /// How long a page may take: the software adapter compiles every pass.
 const PATIENCE: Duration = Duration::from_mins(10);
 
@@ -44,7 +49,7 @@ pub fn test(program: &Program) -> Result<Vec<(String, f64)>> {
     let address = server.address.trim_end_matches('/');
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     let mut found = runtime.block_on(checked(address)).context("the package's own page")?;
-    found.extend(runtime.block_on(in_three(address, &stage)).context("three.js")?);
+    found.extend(runtime.block_on(in_three(address, &stage, program)).context("three.js")?);
     Ok(found)
 }
 
@@ -72,9 +77,9 @@ async fn checked(address: &str) -> Result<Vec<(String, f64)>> {
     Ok(found)
 }
 
-/// The example with three.js: what its node and three.js's own take. Both have to darken the frame; ours at
-/// another size, and with no other node, too.
-async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
+/// The example with three.js: what its node and three.js's own take, and how like truth they are. Both have to
+/// darken the frame; ours at another size, and with no other node, too.
+async fn in_three(address: &str, stage: &Path, program: &Program) -> Result<Vec<(String, f64)>> {
     let browser = Browser::open(WEBGPU).await?;
     let [height, width] = SIZE;
     let network = format!("../../shaders/{}", NETWORKS[NETWORKS.len() - 1]);
@@ -83,6 +88,7 @@ async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
     browser.until_datum("frames", PATIENCE).await?;
     let picture = browser.picture(By::Tag("canvas")).await?;
     fs::write(stage.join("three.png"), picture)?;
+    let mut found = beside_truth(&browser, stage, program).await.context("beside truth")?;
     let alone = browser.evaluated("import('/test/three.js').then((test) => test.alone())").await?;
     let darker = alone.as_f64().with_context(|| format!("the node alone: {alone}"))?;
     ensure!(darker > 0.01, "the node alone darkens the frame by {darker}");
@@ -95,7 +101,57 @@ async fn in_three(address: &str, stage: &Path) -> Result<Vec<(String, f64)>> {
         ensure!((0.5..0.99).contains(&mean), "{name} is {mean}: nothing is occluded, or all");
     }
     let names = ["mean_learned", "mean_gtao", "ms_browser_three_learned", "ms_browser_three_gtao"];
-    names.into_iter().map(|name| Ok((name.to_owned(), figure(name)?))).collect()
+    for name in names {
+        found.push((name.to_owned(), figure(name)?));
+    }
+    Ok(found)
+}
+
+/// How like truth of the example's frame, which the program renders, both nodes are.
+async fn beside_truth(browser: &Browser, stage: &Path, program: &Program) -> Result<Vec<(String, f64)>> {
+    let exported = browser.evaluated("import('/test/three.js').then((test) => test.exported())").await?;
+    let (scene, report, json) = (stage.join("frame.gltf"), stage.join("report"), stage.join("report.json"));
+    fs::write(&scene, exported.as_str().context("no glTF file")?)
+        .with_context(|| scene.display().to_string())?;
+    let model = root().join("models").join(NETWORKS[NETWORKS.len() - 1]);
+    let [scene, model, out, written] =
+        [&scene, &model, &report, &json].map(|path| path.display().to_string());
+    let [height, width] = SIZE.map(|edge| edge.to_string());
+    let (radius, samples) = (RADIUS.to_string(), TRUTH_SAMPLES.to_string());
+    let frame =
+        ["--scene", &scene, "--effect", "ao", "--radius", &radius, "--height", &height, "--width", &width];
+    let made =
+        ["--methods", "learned", "--model", &model, "--spp", &samples, "--out", &out, "--json", &written];
+    program.run(&[&["compare"], &frame[..], &made[..]].concat())?;
+    let folder = frame_folder(&report)?;
+    let picture = |name: &str| format!("'/report/{folder}/{name}.image.png'");
+    let [truth, learned] = ["truth", "learned"].map(picture);
+    let asked =
+        format!("import('/test/three.js').then((test) => test.besideTruth({RADIUS}, {truth}, {learned}))");
+    let measured = browser.evaluated(&asked).await?;
+    println!("three.js beside truth: {measured}");
+    let of_program: Value = serde_json::from_str(&fs::read_to_string(&json)?)?;
+    let of_program = of_program["ssim_learned"].as_f64().context("no figure ssim_learned")?;
+    let figure =
+        |name: &str| measured[name].as_f64().with_context(|| format!("no figure {name}: {measured}"));
+    let same = figure("ssim_picture")?;
+    ensure!((same - of_program).abs() < SIMILAR, "similarity is {same} there and {of_program} here");
+    let names = ["ssim_learned", "ssim_gtao", "ssim_gtao_best"];
+    let figures =
+        names.into_iter().map(|name| Ok((name.replace("ssim_", "ssim_browser_three_"), figure(name)?)));
+    figures.collect()
+}
+
+/// The name of the folder of a report's only frame.
+fn frame_folder(report: &Path) -> Result<String> {
+    let entries = fs::read_dir(report).with_context(|| report.display().to_string())?;
+    for entry in entries {
+        let path = entry?.path();
+        if path.join("truth.image.png").is_file() {
+            return Ok(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
+        }
+    }
+    anyhow::bail!("{}: no frame", report.display())
 }
 
 /// Copies the files of a folder, and those of its folders, but what npm has put there.

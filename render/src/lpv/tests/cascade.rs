@@ -2,18 +2,18 @@
 
 use super::*;
 
-/// Light of a point in a medium that is the same everywhere, in a grid and in a finer one in its middle: mean
-/// fluence in the middle of the finer one, and how far it is from that of the coarser one, cell by cell, over
-/// the mean.
-fn handed_over(extinction: f32, albedo: f32, source: IVec3) -> [f32; 2] {
-    let flight = |cell: f32| Flight::new(extinction * cell, albedo);
-    let coarse = alike(Scheme::OURS, IVec3::splat(20), flight(1.0));
+/// Light of a point, in a grid and in a finer one in its middle: mean fluence in the middle of the finer one,
+/// and how far it is from that of the coarser one, cell by cell, over the mean.
+fn handed_over(source: IVec3) -> [f32; 2] {
+    let coarse = alike(Scheme::OURS, IVec3::splat(20), Flight::new(0.0, 0.0));
     let fine = coarse.grid.nested(Vec3::splat(10.0));
-    let fine = Volume { grid: fine, ..alike(Scheme::OURS, fine.size, flight(fine.cell)) };
-    let outer = iterated(&coarse, lit(&coarse, source, Vec4::W), 80);
+    let fine = Volume { grid: fine, ..alike(Scheme::OURS, fine.size, Flight::new(0.0, 0.0)) };
+    let mut light = vec![Light::default(); coarse.grid.cells()];
+    light[coarse.grid.index(source).expect("a cell")][0] = Vec4::W;
+    let outer = iterated(&coarse, Field::new(&coarse, Kinds::ONE, &light, &[]), 80);
     // The source is not in the finer grid.
-    let start = Field::scattered(Scheme::OURS, &vec![Light::default(); fine.grid.cells()]);
-    let inner = iterated(&fine, start.nested(&fine, (&coarse.grid, &outer.shown)), 80);
+    let start = Field::new(&fine, Kinds::ONE, &vec![Light::default(); fine.grid.cells()], &[]);
+    let inner = iterated(&fine, start.nested(&fine, (&coarse.grid, &outer.shown.by_surfaces)), 80);
     let shown = |field: &Field, grid: &LightGrid, at: IVec3| {
         field.shown.by_medium[grid.index(at).expect("a cell")][0].w / (grid.cell * grid.cell)
     };
@@ -33,34 +33,7 @@ fn handed_over(extinction: f32, albedo: f32, source: IVec3) -> [f32; 2] {
 
 #[test]
 fn as_much_light_is_in_a_finer_grid_as_comes_through_its_border() {
-    // Without a medium a finer grid is by itself 1.11 times as bright there: light goes straighter in it.
-    for (extinction, albedo, most) in [(0.0, 0.0, 0.2), (0.5, 0.5, 0.1), (0.5, 1.0, 0.1), (1.0, 0.9, 0.1)] {
-        let [ratio, off] = handed_over(extinction, albedo, IVec3::new(2, 9, 10));
-        assert!((ratio - 1.0).abs() < most && off < 1.2 * most, "{extinction} {albedo}: {ratio} {off}");
-    }
-}
-
-#[test]
-fn what_leaves_a_finer_grid_does_not_come_back_twice() {
-    let coarse = alike(Scheme::OURS, IVec3::splat(16), Flight::new(0.4, 0.9));
-    let fine = coarse.grid.nested(Vec3::splat(8.0));
-    let fine = Volume { grid: fine, ..alike(Scheme::OURS, fine.size, Flight::new(0.2, 0.9)) };
-    let outer = iterated(&coarse, lit(&coarse, IVec3::splat(8), Vec4::W), 60);
-    let middle = fine.grid.in_cells(coarse.grid.middle(IVec3::splat(8))).floor().as_ivec3();
-    let own = lit(&fine, middle, Vec4::W);
-    let inner = iterated(&fine, own.nested(&fine, (&coarse.grid, &outer.shown)), 60);
-    let alone = iterated(&fine, lit(&fine, middle, Vec4::W), 60);
-    let sum = |field: &Field, grid: &LightGrid, low: i32, high: i32| -> f32 {
-        let is_in = |index: &usize| {
-            let at = grid.at(*index);
-            at.cmpge(IVec3::splat(low)).all() && at.cmplt(IVec3::splat(high)).all()
-        };
-        // Fluence times volume.
-        let shown = |index: usize| field.shown.by_medium[index][0].w * grid.cell;
-        (0..grid.cells()).filter(is_in).map(shown).sum()
-    };
-    let wanted = sum(&outer, &coarse.grid, 5, 11);
-    let [is, alone] = [inner, alone].map(|field| sum(&field, &fine.grid, 2, 14));
-    assert!((is / wanted - 1.0).abs() < 0.1, "{is} of {wanted}");
-    assert!(alone < 0.97 * is, "light that comes back through the border counts: {alone} {is}");
+    // A finer grid is by itself 1.11 times as bright there: light goes straighter in it.
+    let [ratio, off] = handed_over(IVec3::new(2, 9, 10));
+    assert!((ratio - 1.0).abs() < 0.2 && off < 0.24, "{ratio} {off}");
 }

@@ -87,9 +87,9 @@ impl LitVolumes {
         filled: Filled,
         reach: f32,
     ) -> [Self; 2] {
-        let grids = parameters.grids(scene.scene().bounds(), view.camera.position);
+        let grids = parameters.grids(filled, scene.scene().bounds(), view.camera.position);
         let patches = patches::of_scene(scene.scene(), SurfelLight::reflectance(Some(filled.lit())));
-        let cell = parameters.finest_cell(scene.scene().bounds());
+        let cell = parameters.finest_cell(filled, scene.scene().bounds());
         let disks = disks(scene, &patches, cell, view, filled);
         let shines = shines(scene, &patches, filled);
         let cells = cells(scene, cell, filled);
@@ -134,8 +134,6 @@ impl VolumeSource<'_> {
         if let Some(light) = by_itself {
             let field = match &self.sky {
                 Some(sky) => {
-                    // What comes into a finer grid comes of the coarser one.
-                    let sky = Some(sky).filter(|_| outside.is_none());
                     let passes = |point, way| passed(medium, kinds.scattered, point, way);
                     Field::steady(scheme, Begun::under(&volume, &light, sky, passes))
                 }
@@ -153,8 +151,7 @@ impl VolumeSource<'_> {
         let outside = outside.map(|outside| &outside.light);
         if outside.is_some() {
             // What sets out from the border is the coarser grid's.
-            let border = (0..grid.cells()).filter(|cell| grid.depth(grid.at(*cell)) == 0);
-            border.for_each(|cell| reflected[cell] = Light::default());
+            grid.border().for_each(|cell| reflected[cell] = Light::default());
         }
         let field = Field::new(&volume, kinds, &reflected, &scattered);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
@@ -183,7 +180,7 @@ impl VolumeSource<'_> {
     /// Light after all iterations, but for those beyond a reach.
     fn handed_on(&self, volume: &Volume, field: Field, outside: Option<&LitVolume>, reach: f32) -> LitVolume {
         let mut field = match outside {
-            Some(outside) => field.nested(volume, (&outside.grid, &outside.shown)),
+            Some(outside) => field.nested(volume, (&outside.grid, &outside.shown.by_surfaces)),
             None => field,
         };
         let within = |iteration: &usize| (*iteration as f32) * volume.grid.cell < reach;

@@ -20,8 +20,8 @@
 //!
 //! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume
 //! of its own until surfels reflect it or the medium scatters it, which is then handed on as that of the
-//! lamps is; where nothing shines by itself there is no such volume. Around the camera there may be a finer
-//! grid ([`crate::lpv::cascade`]).
+//! lamps is; where nothing shines by itself there is no such volume. Without a medium there may be finer
+//! grids around the camera ([`crate::lpv::cascade`]).
 //!
 //! The sky shines into a medium through the cells along the grid's border ([`crate::lpv::sky`]), beside what
 //! shines by itself, and goes on doing so: light of all its directions crosses in a cell.
@@ -47,8 +47,7 @@
 //!
 //! Surfaces in fog send all that they reflect, their hemispherical albedo, as matte ones do. Light of
 //! `fog-indirect` is kept apart by six sides, which takes room: 128 cells along all edges are more than a
-//! binding of 128 MiB holds, 76 are not. A finer grid gets what the coarser one shows at its border as light
-//! of one side.
+//! binding of 128 MiB holds, 76 are not.
 
 pub mod in_medium;
 mod lit_volume;
@@ -76,9 +75,9 @@ pub struct LpvParameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
-    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges
-    /// around the camera.
-    #[schemars(range(min = 1, max = 2))]
+    /// Grids of so many cells: one around the scene, and in it finer ones around the camera, each of half the
+    /// edges of the one before. In a medium there is one, whatever this says.
+    #[schemars(range(min = 1, max = 4))]
     pub cascades: usize,
     /// How often light is handed on.
     #[schemars(range(min = 1, max = 512))]
@@ -93,6 +92,9 @@ pub struct LpvParameters {
     pub scheme: Scheme,
 }
 
+/// Most grids: the finest then has cells of an eighth of the coarsest one's edge.
+const MOST_CASCADES: usize = 4;
+
 impl LpvParameters {
     /// More time is more cells, and iterations for light to cross them once and a half: from then on what is
     /// still on its way falls by the same share ([`crate::lpv::series`]).
@@ -106,16 +108,17 @@ impl LpvParameters {
         Self { cells, cascades: 1, iterations, steps, scale, scheme: Scheme::OURS }
     }
 
-    /// The grids, the coarsest first, of a scene in a box and a camera at a place.
-    pub fn grids(&self, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
+    /// The grids, the coarsest first, of a scene in a box that is filled, and a camera at a place.
+    fn grids(&self, filled: Filled, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
         let coarsest = LightGrid::around(bounds, self.cells);
         let finer = |grid: &LightGrid| Some(grid.nested(camera));
-        std::iter::successors(Some(coarsest), finer).take(self.cascades.clamp(1, 2)).collect()
+        let count = if filled.has_medium() { 1 } else { self.cascades.clamp(1, MOST_CASCADES) };
+        std::iter::successors(Some(coarsest), finer).take(count).collect()
     }
 
     /// The edge of a cell of the finest grid, metres.
-    fn finest_cell(&self, bounds: Bounds) -> f32 {
-        let grids = self.grids(bounds, bounds.centre());
+    fn finest_cell(&self, filled: Filled, bounds: Bounds) -> f32 {
+        let grids = self.grids(filled, bounds, bounds.centre());
         grids[grids.len() - 1].cell
     }
 }

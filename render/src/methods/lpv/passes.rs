@@ -4,7 +4,7 @@
 use super::LpvParameters;
 use super::shining::Shining;
 use super::shown::VolumeOnGpu;
-use super::volume_buffers::{self, Nesting, VolumeBuffers};
+use super::volume_buffers::{self, VolumeBuffers};
 use crate::lpv::propagation::Kinds;
 use crate::lpv::sides::SIDES;
 use crate::raster::World;
@@ -156,7 +156,8 @@ pub fn lit_surfels(
     filled: Filled,
 ) -> Result<(Surfels, Vec<MethodStep>), GpuError> {
     let frame = Frame::new(to)?;
-    let surfels = Surfels::new(to.device, frame, parameters.finest_cell(frame.world.bounds), filled)?;
+    let cell = parameters.finest_cell(filled, frame.world.bounds);
+    let surfels = Surfels::new(to.device, frame, cell, filled)?;
     let steps = surfel_steps(to.device, frame, &surfels)?;
     Ok((surfels, steps))
 }
@@ -181,10 +182,10 @@ pub fn volume_steps(
 ) -> Result<(FilledVolumes, Vec<MethodStep>), GpuError> {
     let device = to.device;
     let frame = Frame::new(to)?;
-    let grids = parameters.grids(frame.world.bounds, frame.world.bounds.centre());
+    let grids = parameters.grids(filled, frame.world.bounds, frame.world.bounds.centre());
     let mut steps = Vec::new();
     let mut levels: Vec<Level> = Vec::new();
-    for (number, grid) in grids.iter().enumerate() {
+    for grid in &grids {
         let outside = levels.last();
         let record = match outside {
             None => gpu::uniform(device, "lpv.grid", &grid.record())?,
@@ -194,8 +195,8 @@ pub fn volume_steps(
                 record
             }
         };
-        let nesting = Nesting { is_nested: number > 0, has_finer: number + 1 < grids.len() };
-        let room = VolumeBuffers::new(device, (grid, record), (filled.kinds(), nesting), parameters.scheme)?;
+        let (kinds, is_nested) = (filled.kinds(), outside.is_some());
+        let room = VolumeBuffers::new(device, (grid, record), (kinds, is_nested), parameters.scheme)?;
         let level = level_steps(device, frame, surfels, room, outside, (parameters, filled))?;
         steps.extend(level.1);
         levels.push(level.0);
@@ -261,7 +262,7 @@ fn level_steps(
         steps.push(room.begin_step(device, frame.world, emission.as_ref().map(|light| &light.shown))?);
     }
     if let Some(outside) = outside {
-        steps.push(room.border_step(device, frame.world, &outside.light)?);
+        steps.push(room.border_step(device, &outside.light)?);
     }
     steps.extend(room.propagation_steps(device, frame.world, iterations, frame.reach)?);
     Ok((Level { light: room.volume(), emission }, steps))
@@ -323,7 +324,7 @@ fn emission_steps(
         None => emitted.fresh_step(device, world)?,
     });
     if let Some(outside) = outside {
-        steps.push(emitted.border_step(device, world, outside)?);
+        steps.push(emitted.border_step(device, outside)?);
     }
     steps.extend(emitted.propagation_steps(device, world, iterations, &reach)?);
     let written = [(5, &room.sums)];

@@ -173,7 +173,6 @@ fn march(volume: &LitVolume, medium: &Medium, steps: u32, (pixel, reach): (UVec2
         let point = eye + direction * (begins + (i as f32 + shift) * step);
         let here = medium.density.inside(point) * step;
         let scattered = volume.scattered_along(point, -direction, medium.anisotropy);
-        let scattered = volume.share_of(point) * scattered;
         sum += passed * mean_decay(extinction * here) * here * scattered;
         passed *= (-extinction * here).exp();
     }

@@ -37,9 +37,9 @@ impl VolumeOnGpu {
         self.finer.as_ref().unwrap_or(&self.record)
     }
 
-    /// Whether there are others, as the passes have it.
-    fn nesting(&self) -> [(&'static str, u32); 2] {
-        [("NESTED", u32::from(self.is_nested)), ("FINER", u32::from(self.finer.is_some()))]
+    /// Whether it is in another, as the passes have it.
+    fn nested(&self) -> (&'static str, u32) {
+        ("NESTED", u32::from(self.is_nested))
     }
 
     /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is
@@ -49,7 +49,8 @@ impl VolumeOnGpu {
     /// If the device refuses it.
     pub fn lit_step(&self, to: &Resources<'_>, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let device = to.device;
-        let constants = [&[self.scheme.lookup_constant()][..], &self.nesting()].concat();
+        let constants =
+            [self.scheme.lookup_constant(), self.nested(), ("FINER", u32::from(self.finer.is_some()))];
         let pass = device.pass(Shader::at("methods/lpv/lit"), &constants)?;
         let [position, normal, valid] = to.seen(SURFACE);
         let reads = [&self.record, position, normal, valid, view, &self.shown];
@@ -90,10 +91,7 @@ impl Marched<'_> {
             }
         }
         for volume in volumes {
-            // A finer one lights surfaces alone: what the medium scatters is there.
-            if self.pixel.surface || !volume.is_nested {
-                steps.push(self.apply_step(volume, &scattered)?);
-            }
+            steps.push(self.apply_step(volume, &scattered)?);
         }
         Ok(steps)
     }
@@ -105,15 +103,14 @@ impl Marched<'_> {
 
     fn march_step(&self, volume: &VolumeOnGpu, scattered: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let medium = &self.to.scene()?.medium;
-        let constants = [&self.constants(medium, volume)[..], &volume.nesting()].concat();
         let [position, _, valid] = self.to.seen(SURFACE);
         let grid = [&volume.record, self.march, &medium.record, valid, position, self.view];
-        let light = [(6, &volume.shown), (7, scattered), (9, volume.finer())];
+        let light = [(6, &volume.shown), (7, scattered)];
         let buffers = (0..).zip(grid).chain(light);
         step(
             self.to.device,
             Shader::at("methods/lpv/march"),
-            &constants,
+            &self.constants(medium, volume),
             (buffers, (8, medium)),
             self.size(),
             scattered,
@@ -123,16 +120,16 @@ impl Marched<'_> {
     fn apply_step(&self, volume: &VolumeOnGpu, light: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let (medium, image) = (&self.to.scene()?.medium, self.to.output);
         let shows = [
-            ("SCATTERS", u32::from(self.pixel.medium && !volume.is_nested)),
+            ("SCATTERS", u32::from(self.pixel.medium)),
             ("LIT", u32::from(self.pixel.surface)),
-            ("ADDS", u32::from(self.adds || volume.is_nested)),
+            ("ADDS", u32::from(self.adds)),
             scattered(volume.kinds),
         ];
-        let constants = [&self.constants(medium, volume)[..], &volume.nesting(), &shows].concat();
+        let constants = [&self.constants(medium, volume)[..], &shows].concat();
         let [position, normal, valid] = self.to.seen(SURFACE);
         let buffers = [&volume.record, position, normal, valid, self.view, &volume.shown, image];
         let diffuse = self.to.gbuffer.buffer(Attribute::Diffuse);
-        let others = [(7, self.march), (8, &medium.record), (10, diffuse), (11, light), (12, volume.finer())];
+        let others = [(7, self.march), (8, &medium.record), (10, diffuse), (11, light)];
         let buffers = (0..).zip(buffers).chain(others);
         step(
             self.to.device,
@@ -144,8 +141,9 @@ impl Marched<'_> {
         )
     }
 
-    fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 3] {
-        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), volume.scheme.lookup_constant()]
+    fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 4] {
+        let lookup = [volume.scheme.lookup_constant(), volume.nested()];
+        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), lookup[0], lookup[1]]
     }
 }
 

@@ -47,17 +47,9 @@ pub struct VolumeBuffers {
     pub scheme: Scheme,
     /// Whether the medium is thinned by similarity, for light that is scattered in it.
     is_similar: bool,
-    nesting: Nesting,
-    cells: usize,
-}
-
-/// Which volumes there are beside one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Nesting {
     /// Whether it is in a coarser one.
-    pub is_nested: bool,
-    /// Whether a finer one is in it.
-    pub has_finer: bool,
+    is_nested: bool,
+    cells: usize,
 }
 
 impl VolumeBuffers {
@@ -68,13 +60,12 @@ impl VolumeBuffers {
     pub fn new(
         device: &Device,
         (grid, record): (&LightGrid, wgpu::Buffer),
-        (kinds, nesting): (Kinds, Nesting),
+        (kinds, is_nested): (Kinds, bool),
         scheme: Scheme,
     ) -> Result<Self, GpuError> {
         let cells = grid.cells();
         let cubes = (grid.size + 1).as_usizevec3().element_product();
         let scattered = usize::from(kinds.scattered);
-        let planes = 1 + scattered + usize::from(keeps_first(kinds, nesting));
         let kept = 3 * kinds.count() + scattered;
         let state = || gpu::empty::<[f32; 4]>(device, "lpv.state", kept * cells);
         Ok(Self {
@@ -86,12 +77,12 @@ impl VolumeBuffers {
             states: [state()?, state()?],
             source: source(device, kinds, cells)?,
             weights: gpu::empty::<[f32; 4]>(device, "lpv.weights", kinds.count())?,
-            shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * planes * cells)?,
+            shown: gpu::empty::<[f32; 4]>(device, "lpv.shown", 3 * (1 + scattered) * cells)?,
             groups: groups(cells).into(),
             kinds,
             scheme,
             is_similar: kinds.scattered,
-            nesting,
+            is_nested,
             cells,
         })
     }
@@ -115,7 +106,7 @@ impl VolumeBuffers {
 
     /// What is shown of it; which volume is in it is not known yet.
     pub fn volume(self) -> VolumeOnGpu {
-        let Self { record, shown, scheme, kinds, nesting: Nesting { is_nested, .. }, .. } = self;
+        let Self { record, shown, scheme, kinds, is_nested, .. } = self;
         VolumeOnGpu { record, shown, scheme, kinds, is_nested, finer: None }
     }
 
@@ -137,17 +128,12 @@ impl VolumeBuffers {
 
     /// Whether it is in a coarser one, as the passes have it.
     fn nested(&self) -> (&'static str, u32) {
-        ("NESTED", u32::from(self.nesting.is_nested))
+        ("NESTED", u32::from(self.is_nested))
     }
 
     /// Whether the medium is thinned, as the passes have it.
     fn similar(&self) -> (&'static str, u32) {
         ("SIMILAR", u32::from(self.is_similar))
-    }
-
-    /// Whether the first kind is shown apart, as the passes have it.
-    fn first(&self) -> (&'static str, u32) {
-        ("FIRST", u32::from(keeps_first(self.kinds, self.nesting)))
     }
 
     /// Light that surfaces send, before the first iteration.
@@ -158,8 +144,7 @@ impl VolumeBuffers {
         if self.kinds.is_steady {
             return self.sides_step(device, world);
         }
-        let own = [self.first(), self.scheme.lobes_constant()];
-        let constants = [&self.constants()[..], &own].concat();
+        let constants = [&self.constants()[..], &[self.scheme.lobes_constant()]].concat();
         let pass = device.pass(Shader::at("methods/lpv/fresh"), &constants)?;
         let reads = [(0, &self.record), (1, &self.sums)];
         let writes = [(3, &self.shown), (5, &self.weights), (2, &self.states[0])];
@@ -168,8 +153,7 @@ impl VolumeBuffers {
 
     /// The same of light that is kept apart by sides.
     fn sides_step(&self, device: &Device, world: &World) -> Result<MethodStep, GpuError> {
-        let own = [self.similar(), self.nested()];
-        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
+        let constants = [&self.constants()[..], &self.scheme.constants(), &[self.similar()]].concat();
         let pass = device.pass(Shader::at("methods/lpv/sides"), &constants)?;
         let reads = [(0, &self.record), (1, &self.sums), (6, &world.medium.record)];
         let reads: Vec<_> = reads.into_iter().chain([(7, &self.media), (8, &self.links)]).collect();
@@ -189,7 +173,7 @@ impl VolumeBuffers {
         sky: &wgpu::Buffer,
     ) -> Result<MethodStep, GpuError> {
         let MediumOnGpu { record: medium, densities, kind } = &world.medium;
-        let own = [("MEDIUM", *kind), self.similar(), self.nested()];
+        let own = [("MEDIUM", *kind), self.similar()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let pass = device.pass(Shader::at("methods/lpv/enter"), &constants)?;
         let buffers = [&self.record, &self.sums, &self.states[0], &self.shown, &self.source];
@@ -255,17 +239,10 @@ impl VolumeBuffers {
     ///
     /// # Errors
     /// If the device refuses it.
-    pub fn border_step(
-        &self,
-        device: &Device,
-        world: &World,
-        outside: &VolumeOnGpu,
-    ) -> Result<MethodStep, GpuError> {
-        let own = [self.similar(), self.steady()];
-        let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
-        let pass = device.pass(Shader::at("methods/lpv/border"), &constants)?;
-        let reads = [&self.record, &outside.record, &world.medium.record, &self.media, &outside.shown];
-        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0], &self.source])
+    pub fn border_step(&self, device: &Device, outside: &VolumeOnGpu) -> Result<MethodStep, GpuError> {
+        let pass = device.pass(Shader::at("methods/lpv/border"), &[self.scheme.lobes_constant()])?;
+        let reads = [&self.record, &outside.record, &outside.shown];
+        MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0]])
     }
 
     /// So many iterations; they end where light has gone as far as `reach` says. Of light that goes on and on
@@ -286,7 +263,7 @@ impl VolumeBuffers {
             && world.medium.kind != MediumOnGpu::EVERYWHERE;
         let borders = ("BORDERS", u32::from(borders));
         let reflects = ("REFLECTS", u32::from(self.kinds.goes_on()));
-        let own = [borders, reflects, self.first(), self.nested(), self.similar(), self.steady()];
+        let own = [borders, reflects, self.nested(), self.similar(), self.steady()];
         let constants = [&self.constants()[..], &self.scheme.constants(), &own].concat();
         let compiled = |shows: bool| {
             let constants = [&constants[..], &[("SHOWS", u32::from(shows))]].concat();
@@ -323,11 +300,6 @@ fn source(device: &Device, kinds: Kinds, cells: usize) -> Result<wgpu::Buffer, G
 /// Whether there is scattered light, as the passes have it.
 pub const fn scattered(kinds: Kinds) -> (&'static str, u32) {
     ("SCATTERED", kinds.scattered as u32)
-}
-
-/// Whether the first of several kinds, which is not shown otherwise, is kept for a finer volume.
-const fn keeps_first(kinds: Kinds, nesting: Nesting) -> bool {
-    kinds.scattered && nesting.has_finer
 }
 
 /// The grid of a finer volume, and the pass that lays it around the camera.

@@ -1,9 +1,8 @@
 // The medium in front of each pixel, from an image of fewer pixels of which those count whose surfaces are as
 // far away (Kopf et al. 2007), and the surface behind it, lit by the grid's light. ADDS says that
-// other light is there already: of coarser grids, or of another kind.
+// other light is there already, of another kind.
 
 #import shared/lpv_irradiance
-#import shared/lpv_nested
 #import shared/medium
 #import shared/surface
 #import shared/surface_valid
@@ -30,7 +29,6 @@
 @group(0) @binding(10) var<storage, read> diffuse_planes: array<f32>;
 // [3, height / SCALE, width / SCALE], rounded up
 @group(0) @binding(11) var<storage, read> scattered: array<f32>;
-@group(0) @binding(12) var<uniform> finer: LightGrid;
 
 const PI = 3.14159265;
 // Farther or nearer by this share of its distance, a neighbour counts half.
@@ -83,7 +81,7 @@ fn apply(@builtin(global_invocation_id) id: vec3u) {
         let diffuse = vec3f(diffuse_planes[at], diffuse_planes[at + pixels], diffuse_planes[at + 2u * pixels]);
         let normal = from_view(surface_normal(at, pixels), view);
         let point = view.eye.xyz + offset;
-        sum += share_here(point) * passed * diffuse / PI * irradiance(point, normal, SCATTERED);
+        sum += passed * diffuse / PI * irradiance(point, normal, SCATTERED);
     }
     for (var c = 0u; c < 3u; c++) {
         if ADDS == 1u {

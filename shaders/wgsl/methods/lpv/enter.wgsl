@@ -12,7 +12,6 @@
 #import shared/medium
 #import uniforms/light_grid
 #import uniforms/medium_record
-#constant NESTED = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
@@ -57,8 +56,7 @@ fn enter(@builtin(global_invocation_id) id: vec3u) {
     }
     for (var number = 0u; number < 27u; number++) {
         let offset = neighbour(number);
-        // What comes into a finer grid comes of the coarser one.
-        if number == LINKS || NESTED == 1u || is_cell(at - offset) {
+        if number == LINKS || is_cell(at - offset) {
             continue;
         }
         let kind = kind_of(offset);

@@ -5,7 +5,6 @@
 #import shared/lpv_kinds
 #import shared/lpv_lobe
 #import uniforms/light_grid
-#constant FIRST = 1
 #constant SCATTERED = 1
 #constant UNSCATTERED = 2
 
@@ -14,7 +13,7 @@
 @group(0) @binding(1) var<storage, read> sums: array<u32>;
 // [kinds, 3, cells]: lobes; then what begin.wgsl writes
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
-// [1 + SCATTERED + FIRST, 3, cells]
+// [1 + SCATTERED, 3, cells]
 @group(0) @binding(3) var<storage, read_write> shown: array<vec4f>;
 // [kinds]: by how much to multiply what an iteration shows
 @group(0) @binding(5) var<storage, read_write> weights: array<vec4f>;
@@ -36,7 +35,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
         for (var light = 1u; light < UNSCATTERED; light++) {
             state[lobe_index(light, c, id.x)] = vec4f(0.0);
         }
-        for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
+        for (var plane = 0u; plane <= SCATTERED; plane++) {
             shown[lobe_index(plane, c, id.x)] = vec4f(0.0);
         }
     }

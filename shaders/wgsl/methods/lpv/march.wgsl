@@ -1,10 +1,8 @@
 // What the medium in front of pixels scatters to the eye of the grid's light, by a march; of one pixel of
-// SCALE x SCALE, since it hardly changes from pixel to pixel. That of a finer grid is added to what is there
-// of the coarser ones.
+// SCALE x SCALE, since it hardly changes from pixel to pixel.
 
 #import shared/bounded
 #import shared/lpv_irradiance
-#import shared/lpv_nested
 #import shared/mean_decay
 #import shared/medium
 #import shared/medium_span
@@ -15,7 +13,6 @@
 #import uniforms/light_grid
 #import uniforms/marching
 #import uniforms/medium_record
-#constant NESTED = 1
 #constant SCALE = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
@@ -29,7 +26,6 @@
 // [3, height / SCALE, width / SCALE], rounded up
 @group(0) @binding(7) var<storage, read_write> scattered: array<f32>;
 @group(0) @binding(8) var densities: texture_3d<f32>;
-@group(0) @binding(9) var<uniform> finer: LightGrid;
 
 const PI = 3.14159265;
 
@@ -84,16 +80,11 @@ fn shade(@builtin(global_invocation_id) id: vec3u) {
     for (var i = 0u; i < steps; i++) {
         let point = eye + direction * (span.x + (f32(i) + shift) * step);
         let here = density_inside(point) * step;
-        sum += passed * mean_decay(extinction * here) * here * share_here(point)
-            * scattered_along(point, -direction);
+        sum += passed * mean_decay(extinction * here) * here * scattered_along(point, -direction);
         passed *= exp(-extinction * here);
     }
     for (var c = 0u; c < 3u; c++) {
         let at = id.x + small.x * (id.y + small.y * c);
-        var all = sum[c] * medium.scattering[c];
-        if NESTED == 1u {
-            all += scattered[at];
-        }
-        scattered[at] = all;
+        scattered[at] = sum[c] * medium.scattering[c];
     }
 }

@@ -13,7 +13,6 @@
 #import uniforms/medium_record
 #constant BORDERS = 1
 #constant FACTORS = 0
-#constant FIRST = 1
 #constant LOBES = 0
 #constant NESTED = 1
 #constant REFLECTS = 1
@@ -43,8 +42,8 @@ struct Iteration {
 // [kinds, 3, cells]: lobes; then, if there is scattered light, [cells]
 @group(0) @binding(4) var<storage, read> before: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> state: array<vec4f>;
-// [1 + SCATTERED + FIRST, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium
-// and as surfaces show it, and the first kind, which a finer grid is lit by
+// [1 + SCATTERED, 3, cells]: flux and energy times lengths of ways, watts times cells, as the medium and as
+// surfaces show it
 @group(0) @binding(6) var<storage, read_write> shown: array<vec4f>;
 @group(0) @binding(7) var<uniform> iteration: Iteration;
 @group(0) @binding(8) var<uniform> propagation: Propagation;
@@ -104,9 +103,9 @@ fn added(sums: Sums, energy: vec3f, direction: vec3f) -> Sums {
 // Mean cosine of light that a matte surface sends.
 const MATTE = 2.0 / 3.0;
 
-alias Seen = array<Sums, 3>;
+alias Seen = array<Sums, 2>;
 
-// Adds light of a kind to what the medium and surfaces show of it, and to the first kind.
+// Adds light of a kind to what the medium and surfaces show of it.
 fn show(seen: ptr<function, Seen>, light: u32, energy: vec3f, direction: vec3f) {
     show_sums(seen, light, added(Sums(), energy, direction));
 }
@@ -120,9 +119,6 @@ fn show_sums(seen: ptr<function, Seen>, light: u32, sums: Sums) {
     }
     if light == UNSCATTERED {
         seen[1] = together(seen[1], weighed);
-    }
-    if FIRST == 1u && light == 0u {
-        seen[2] = together(seen[2], weighed);
     }
 }
 
@@ -264,7 +260,7 @@ fn propagate(@builtin(global_invocation_id) id: vec3u) {
     }
     // Of steady light the last iteration shows all.
     if SHOWS == 1u {
-        for (var plane = 0u; plane <= SCATTERED + FIRST; plane++) {
+        for (var plane = 0u; plane <= SCATTERED; plane++) {
             for (var c = 0u; c < 3u; c++) {
                 shown[(3u * plane + c) * cells + cell] += vec4f(seen[plane].flux[c], seen[plane].energy[c]);
             }

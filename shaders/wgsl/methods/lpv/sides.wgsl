@@ -10,7 +10,6 @@
 #import shared/lpv_medium
 #import uniforms/light_grid
 #import uniforms/medium_record
-#constant NESTED = 1
 
 @group(0) @binding(0) var<uniform> grid: LightGrid;
 // [cells, 3, 4, 2]: flux and energy of each colour, as lpv_send.wgsl has them
@@ -115,7 +114,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             let aside = neighbour(around);
             let there = at - aside;
             // What sets out from the border of a finer grid is the coarser one's.
-            if !is_cell(there) || NESTED == 1u && is_border(there) {
+            if !is_cell(there) {
                 continue;
             }
             let cell = cell_index(there);
