@@ -1,5 +1,6 @@
 //! Bevy's own ambient occlusion and a network's beside path-traced truth of the same frames, and how far the
-//! network's passes inside Bevy are from deepshade's own image of the frame.
+//! network's passes inside Bevy are from deepshade's own image of the frame. The same of depth of field,
+//! beside what a lens shows.
 //!
 //! `cargo run --example measure -- --program target/release/deepshade --json figures.json --out pictures`
 //!
@@ -12,18 +13,21 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
+#[path = "measure/depth_of_field.rs"]
+mod depth_of_field;
+
+use bevy::math::Vec3;
 use bevy::pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionQualityLevel as BevysQuality};
 use bevy::render::camera::TemporalJitter;
 use deepshade_bevy::{LearnedAmbientOcclusion, Quality};
-use deepshade_render::exr_file::{self, Layer, Metadata};
 use deepshade_render::scene::SceneSource;
-use deepshade_shaders::{GBuffer, Planes};
+use deepshade_shaders::{Effect, Planes};
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use support::frame::{Frame, View, differences, scores};
 use support::headless::Headless;
+use support::own::Program;
 use support::{clock, pictures};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -90,7 +94,9 @@ fn measured(source: &SceneSource, view: View, folder: &Path, arguments: &Argumen
     let truth = frame.truth(RADIUS, SAMPLES);
     let (assets, name) = (file.parent().unwrap_or(folder), file.file_name().unwrap_or_default());
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
-    let mut bevy = Headless::new(&models, assets, &name.to_string_lossy(), &frame.camera, SIZE)?;
+    let app = || Headless::new(&models, assets, &name.to_string_lossy(), &frame.camera, SIZE);
+    let mut bevy = app()?;
+    let program = Program { program: &arguments.program, folder };
     let mut figures = Figures::new();
     let mut images = vec![("none", bevy.picture()?)];
 
@@ -106,13 +112,17 @@ fn measured(source: &SceneSource, view: View, folder: &Path, arguments: &Argumen
             return Err(failure.clone().into());
         }
         let made = bevy.openness()?.ok_or("no texture")?;
-        let seen = bevy.gbuffer()?;
-        let by_program = by_program(&arguments.program, &models.join(quality.folder()), &seen, folder)?;
+        let seen = bevy.gbuffer::<LearnedAmbientOcclusion>()?;
+        let by_program = program.image(&models.join(quality.folder()), Effect::Ao, &seen, RADIUS)?;
         let [largest, stray] = differences(&made, &by_program, 2e-3);
         max_abs = max_abs.max(largest);
         figures.insert(if quality == Quality::High { "stray_bevy" } else { "stray_bevy_small" }, stray);
         let [similarity, difference] = scores(&made, &truth, &seen.seen()?);
-        figures.extend([(ssim, similarity), (mean_abs, difference), (ms, clock::learned(&mut bevy)?)]);
+        figures.extend([
+            (ssim, similarity),
+            (mean_abs, difference),
+            (ms, clock::learned::<LearnedAmbientOcclusion>(&mut bevy)?),
+        ]);
         if quality == Quality::High {
             images.extend([("learned", bevy.picture()?), ("learned-openness", made)]);
         }
@@ -138,6 +148,12 @@ fn measured(source: &SceneSource, view: View, folder: &Path, arguments: &Argumen
     let [similarity, difference] = scores(&mean, &truth, &seen);
     figures.extend([("ssim_bevy_ssao_64", similarity), ("mean_abs_bevy_ssao_64", difference)]);
     images.extend([("ssao-64-openness", mean), ("truth-openness", truth)]);
+    drop(bevy);
+
+    let [eye, target] = view.map(Vec3::from_array);
+    let of_lens = depth_of_field::measured(&frame, eye.distance(target), &mut app()?, &models, &program)?;
+    figures.extend(of_lens.0);
+    images.extend(of_lens.1);
     if let Some(out) = &arguments.out {
         pictures::write(out, &source.to_string().replace([':', '/', '.'], "-"), &images)?;
     }
@@ -155,19 +171,6 @@ fn mean_of_frames(bevy: &mut Headless) -> Result<Planes> {
     }
     bevy.without::<TemporalJitter>();
     Ok(Planes::from_data(1, SIZE[0], SIZE[1], sum))
-}
-
-/// What deepshade's program makes of Bevy's g-buffer.
-fn by_program(program: &Path, model: &Path, gbuffer: &GBuffer, folder: &Path) -> Result<Planes> {
-    let [read, written] = ["gbuffer.exr", "openness.exr"].map(|name| folder.join(name));
-    exr_file::write(&read, &[Layer::gbuffer(gbuffer).in_full()], &Metadata::new())?;
-    let mut command = Command::new(program);
-    command.arg("infer").arg("--model").arg(model).arg("--gbuffer").arg(&read).arg("--out").arg(&written);
-    let output = command.args(["--radius", &RADIUS.to_string()]).output()?;
-    if !output.status.success() {
-        return Err(String::from_utf8_lossy(&output.stderr).into());
-    }
-    Ok(exr_file::read(&written)?.image("ao", 1)?)
 }
 
 /// Means over the scenes; of the largest differences the largest.

@@ -1,43 +1,29 @@
 //! From the app's world to the render world.
 
-use crate::{LearnedAmbientOcclusion, LearnedError, LearnedFailures, LearnedShading};
+use crate::effect::LearnedEffect;
+use crate::{LearnedError, LearnedFailures};
 use bevy::camera::Camera3d;
-use bevy::pbr::{
-    ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionResources, SsaoBindGroups, SsaoPipelineId,
-};
 use bevy::prelude::{Camera, Commands, Entity, Query, ResMut, With};
 use bevy::render::sync_component::SyncComponent;
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::view::Msaa;
 use bevy::render::{Extract, RenderApp};
 
-/// What a camera in the render world has for learned ambient occlusion. Bevy's own components are among it:
-/// they have its materials read the texture.
-pub(crate) type OfView = (
-    LearnedAmbientOcclusion,
-    LearnedShading,
-    ScreenSpaceAmbientOcclusion,
-    ScreenSpaceAmbientOcclusionResources,
-    SsaoPipelineId,
-    SsaoBindGroups,
-);
+/// What a camera in the render world has for a component.
+pub(crate) type OfView<E> = <E as SyncComponent<RenderApp>>::Target;
 
-impl SyncComponent<RenderApp> for LearnedAmbientOcclusion {
-    type Target = OfView;
-}
-
-type Asking<'a> = (RenderEntity, &'a Camera, &'a LearnedAmbientOcclusion, &'a Msaa);
+type Asking<'a, E> = (RenderEntity, &'a Camera, &'a E, &'a Msaa);
 
 /// Takes over what cameras ask for, where it can be had.
-pub(crate) fn extract(
+pub(crate) fn extract<E: LearnedEffect>(
     mut commands: Commands,
     mut failures: ResMut<LearnedFailures>,
-    cameras: Extract<Query<Asking<'_>, With<Camera3d>>>,
+    cameras: Extract<Query<Asking<'_, E>, With<Camera3d>>>,
 ) {
     let mut asking: Vec<Entity> = Vec::new();
     for (view, camera, wanted, msaa) in &cameras {
         asking.push(view);
-        let checked = wanted.check().and(match *msaa {
+        let checked = wanted.checked().and(match *msaa {
             Msaa::Off => Ok(()),
             other => Err(LearnedError::Msaa(other)),
         });
@@ -47,13 +33,13 @@ pub(crate) fn extract(
                 view_commands.insert(*wanted);
             }
             Ok(()) => {
-                view_commands.remove::<OfView>();
+                view_commands.remove::<OfView<E>>();
             }
             Err(error) => {
-                failures.tell(view, &error);
-                view_commands.remove::<OfView>();
+                failures.tell::<E>(view, &error);
+                view_commands.remove::<OfView<E>>();
             }
         }
     }
-    failures.keep(|view| asking.contains(&view));
+    failures.keep::<E>(|view| asking.contains(&view));
 }

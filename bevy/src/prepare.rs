@@ -1,26 +1,26 @@
 //! What is made before a frame is drawn.
 
+use crate::effect::{LearnedEffect, Reach};
+use crate::extract::OfView;
 use crate::networks::Networks;
 use crate::textures::Seen;
-use crate::{LearnedAmbientOcclusion, LearnedError, LearnedFailures, LearnedShading, extract};
-use bevy::pbr::{ScreenSpaceAmbientOcclusion, SsaoBindGroups};
+use crate::{LearnedError, LearnedFailures, LearnedShading};
+use bevy::pbr::SsaoBindGroups;
 use bevy::prelude::{Commands, Entity, Query, Res, ResMut, Vec2, With};
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
+use deepshade_render::scene::Lens;
 use deepshade_shaders::gpu::Gpu;
 use std::sync::Arc;
 
-/// Storage textures that Bevy's own passes bind.
-const STORAGE_TEXTURES: u32 = 5;
-
-type Asking<'a> = (
+type Asking<'a, E> = (
     Entity,
-    &'a LearnedAmbientOcclusion,
+    &'a E,
     &'a ExtractedCamera,
     &'a ExtractedView,
     Option<&'a TemporalJitter>,
-    Option<&'a LearnedShading>,
+    Option<&'a LearnedShading<E>>,
 );
 
 /// Bevy's device as deepshade's crates take it.
@@ -41,64 +41,59 @@ impl BevyGpu<'_> {
     }
 }
 
-/// Makes the passes of cameras that ask for occlusion and have none of their size yet, and tells them of the
-/// frame. Bevy's component on the view has Bevy make the texture, and its materials read it.
-pub(crate) fn shadings(
+/// Makes the passes of cameras that ask for an effect and have none of their size yet, and tells them of the
+/// frame.
+pub(crate) fn shadings<E: LearnedEffect>(
     mut commands: Commands,
     mut networks: ResMut<Networks>,
     mut failures: ResMut<LearnedFailures>,
     bevy: BevyGpu,
-    views: Query<Asking<'_>>,
+    views: Query<Asking<'_, E>>,
 ) {
     for (entity, wanted, camera, view, jitter, made) in &views {
         let Some(size) = camera.physical_viewport_size.filter(|size| size.x > 0 && size.y > 0) else {
             continue;
         };
         let size = [size.y as usize, size.x as usize];
-        let fits = |made: &&LearnedShading| made.size == size && made.quality == wanted.quality;
-        let fitting = made.filter(fits);
-        let checked = check(view, &bevy.device);
+        let fitting = made.filter(|made| made.size == size && made.folder == wanted.folder());
+        let checked = check(view).and(E::check_device(&bevy.device));
         let shading = checked.map_err(Arc::new).and_then(|()| match fitting {
             Some(_) => Ok(None),
             None => {
-                let network = networks.of(wanted.quality, &bevy.gpu())?;
-                LearnedShading::new(network, wanted.quality, size).map(Some).map_err(Arc::new)
+                let network = networks.of(wanted, &bevy.gpu())?;
+                LearnedShading::new(network, wanted.folder(), E::SHOWN, size).map(Some).map_err(Arc::new)
             }
         });
         let mut view_commands = commands.entity(entity);
         match shading {
             Ok(new) => {
                 if let Some(shading) = fitting.or(new.as_ref()) {
-                    tell(shading, wanted, camera, view, jitter);
+                    tell(shading, wanted.reach(), camera, view, jitter);
                 }
-                view_commands.insert(ScreenSpaceAmbientOcclusion::default());
+                view_commands.insert(E::OfBevy::default());
                 if let Some(new) = new {
-                    failures.forget(entity);
+                    failures.forget::<E>(entity);
                     view_commands.insert(new);
                 }
             }
             Err(error) => {
-                failures.tell(entity, &error);
-                view_commands.remove::<extract::OfView>();
+                failures.tell::<E>(entity, &error);
+                view_commands.remove::<OfView<E>>();
             }
         }
     }
 }
 
 /// Checks what only the render world knows.
-fn check(view: &ExtractedView, device: &RenderDevice) -> Result<(), LearnedError> {
-    let allowed = device.limits().max_storage_textures_per_shader_stage;
-    if allowed < STORAGE_TEXTURES {
-        return Err(LearnedError::StorageTextures(allowed));
-    }
+fn check(view: &ExtractedView) -> Result<(), LearnedError> {
     let is_perspective = view.clip_from_view.w_axis.w == 0.0 && view.clip_from_view.z_axis.w == -1.0;
     if is_perspective { Ok(()) } else { Err(LearnedError::Projection) }
 }
 
 /// Tells a camera's passes of a frame, from its projection as Bevy draws it.
-fn tell(
-    shading: &LearnedShading,
-    wanted: &LearnedAmbientOcclusion,
+fn tell<E>(
+    shading: &LearnedShading<E>,
+    reach: Reach,
     camera: &ExtractedCamera,
     view: &ExtractedView,
     jitter: Option<&TemporalJitter>,
@@ -108,13 +103,19 @@ fn tell(
     if let Some(jitter) = jitter {
         jitter.jitter_projection(&mut clip_from_view, Vec2::new(width as f32, height as f32));
     }
+    let focal_length = 0.5 * height as f32 * clip_from_view.y_axis.y;
+    let blur = |lens: Lens| [focal_length * lens.radius / lens.focus, lens.focus];
+    let [blur_at_infinity, focus] = reach.lens.map_or([0.0; 2], blur);
     let seen = Seen {
         view_from_clip: clip_from_view.inverse(),
         view_from_world: view.world_from_view.to_matrix().inverse(),
         size: [width as u32, height as u32].into(),
         origin: camera.viewport.as_ref().map_or_else(Default::default, |part| part.physical_position),
+        blur_at_infinity,
+        focus,
+        spare: [0.0; 2],
     };
-    shading.tell(&seen, &clip_from_view, wanted.radius);
+    shading.tell(&seen, focal_length, reach);
 }
 
 /// Keeps Bevy's own passes from running for cameras that have learned occlusion: they run where these bind

@@ -2,70 +2,77 @@
 
 mod estimate;
 
-use crate::networks::{DeviceNetwork, SHOWN};
-use crate::textures::{Seen, TILE, TexturePasses};
-use crate::{LearnedError, Quality};
-use bevy::prelude::{Component, Mat4};
+use crate::effect::Reach;
+use crate::networks::DeviceNetwork;
+use crate::textures::{Inside, Seen, Sides};
+use crate::{LearnedAmbientOcclusion, LearnedError};
+use bevy::prelude::Component;
 use bevy::render::render_resource::{TextureView, TextureViewId};
 use deepshade_infer::forward::{FrameRecording, FrameScale, ImageBuffers, InputSource, Runner};
 use deepshade_render::scene::Camera;
 use deepshade_render::screen::{GpuGBuffer, View};
 use deepshade_shaders::Attribute;
-use deepshade_shaders::gpu::{self, BoundPass, GpuError};
+use deepshade_shaders::gpu::{self, GpuError};
 use estimate::EstimatePasses;
+use std::marker::PhantomData;
 use std::sync::Arc;
-use wgpu::{BindingResource, Buffer, BufferUsages, CommandEncoder};
+use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// Chooses the random numbers of what methods estimate: the same in every frame, so that their noise stands
 /// still, and the same as in deepshade's program.
 const SEED: u32 = 1;
 
-/// In the render world, on a camera with learned ambient occlusion: its passes and what they write, for
-/// whoever wants to read that in passes of their own.
+/// In the render world, on a camera with a learned effect: its passes and what they write, for whoever wants
+/// to read that in passes of their own. `E` is the component that asks for it.
 #[derive(Component)]
-pub struct LearnedShading {
-    pub(crate) quality: Quality,
+pub struct LearnedShading<E = LearnedAmbientOcclusion> {
+    /// Of which of [`DeepshadePlugin::models`](crate::DeepshadePlugin::models) its network is.
+    pub(crate) folder: &'static str,
     /// Rows and columns.
     pub(crate) size: [usize; 2],
-    pub(crate) network: Arc<DeviceNetwork>,
+    network: Arc<DeviceNetwork>,
     seen: Buffer,
     /// The passes on both sides, on the textures of these views.
-    textures: Option<([TextureViewId; 3], [BoundPass; 2])>,
+    sides: Option<([TextureViewId; 3], Sides)>,
     gbuffer: GpuGBuffer,
     estimates: Vec<EstimatePasses>,
     input: FrameRecording,
     runner: Runner,
     image_pass: FrameRecording,
     image: Buffer,
+    of: PhantomData<fn() -> E>,
 }
 
-impl LearnedShading {
-    /// Makes room for an image of `[height, width]` and binds the passes.
+impl<E> LearnedShading<E> {
+    /// Makes room for an image of `[height, width]` and binds the passes, which are shown some attributes.
     ///
     /// # Errors
     /// If the device has no room or refuses something.
     pub(crate) fn new(
         network: Arc<DeviceNetwork>,
-        quality: Quality,
+        folder: &'static str,
+        shown: &[Attribute],
         [height, width]: [usize; 2],
     ) -> Result<Self, LearnedError> {
         let device = &network.gpu.device;
         let size = [height, width];
-        // Any radius and focal length: each frame tells its own.
-        let (view, frame) = (view(size, 1.0, 1.0), scale(&network, 1.0, 1.0));
-        let gbuffer = GpuGBuffer::empty(device, height, width, &SHOWN)?;
+        // Any reach and focal length: each frame tells its own.
+        let any = Reach { radius: 1.0, lens: None };
+        let (view, frame) = (view(size, 1.0, any), scale(&network, 1.0, any));
+        let gbuffer = GpuGBuffer::empty(device, height, width, shown)?;
         let estimates = network.estimates.iter();
-        let estimates = estimates.map(|(_, method)| EstimatePasses::new(method, &gbuffer, &view));
+        let estimates = estimates.map(|(makes, method)| EstimatePasses::new(makes, method, &gbuffer, &view));
         let estimates: Vec<EstimatePasses> = estimates.collect::<Result<_, _>>()?;
         let runner = network.network.runner(height, width)?;
         let mut attributes: Vec<(Attribute, &Buffer)> =
-            SHOWN.iter().map(|attribute| (*attribute, gbuffer.buffer(*attribute))).collect();
+            shown.iter().map(|attribute| (*attribute, gbuffer.buffer(*attribute))).collect();
         for ((estimator, _), made) in network.estimates.iter().zip(&estimates) {
             attributes.extend(estimator.makes().iter().copied().zip(made.images()));
         }
         let source = InputSource { size, attributes: &attributes, run: 0, frame };
         let input = network.input.bind(&source, runner.input())?;
-        let image = gpu::empty::<f32>(device, "bevy.openness", height * width)?;
+        let channels = network.spec.effect.channels();
+        let image = gpu::empty::<f32>(device, "bevy.image", channels * height * width)?;
         let (valid, made) = (gbuffer.buffer(Attribute::Valid), runner.output());
         let buffers = ImageBuffers { size, valid, made, image: &image, run: 0 };
         let image_pass = network.image.bind(&buffers, frame)?;
@@ -75,73 +82,66 @@ impl LearnedShading {
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let textures = None;
+        let (sides, of) = (None, PhantomData);
         Ok(Self {
-            quality,
+            folder,
             size,
             network,
             seen,
-            textures,
+            sides,
             gbuffer,
             estimates,
             input,
             runner,
             image_pass,
             image,
+            of,
         })
     }
 
-    /// Tells the passes of a frame: what its camera sees, how far occlusion reaches.
-    pub(crate) fn tell(&self, seen: &Seen, clip_from_view: &Mat4, radius: f32) {
+    /// Tells the passes of a frame: what its camera sees, its focal length in pixels, how far the effect
+    /// reaches.
+    pub(crate) fn tell(&self, seen: &Seen, focal_length: f32, reach: Reach) {
         let queue = &self.network.gpu.queue;
         queue.write_buffer(&self.seen, 0, bytemuck::bytes_of(seen));
-        let focal_length = 0.5 * self.size[0] as f32 * clip_from_view.y_axis.y;
-        let view = view(self.size, focal_length, radius);
+        let view = view(self.size, focal_length, reach);
         for ((_, method), estimate) in self.network.estimates.iter().zip(&self.estimates) {
             estimate.look(queue, method, &view);
         }
-        let frame = scale(&self.network, focal_length, radius);
+        let frame = scale(&self.network, focal_length, reach);
         self.input.set(queue, frame);
         self.image_pass.set(queue, frame);
     }
 
-    /// Binds the passes on both sides to Bevy's textures: depth, normals, and where openness goes.
+    /// Binds the passes on both sides, which `make` makes, to Bevy's textures, unless they are.
     ///
     /// # Errors
     /// If the device refuses it.
     pub(crate) fn bind(
         &mut self,
-        passes: &mut TexturePasses,
         views: [&TextureView; 3],
+        make: impl FnOnce(&Inside<'_>, [&TextureView; 3]) -> Result<Sides, GpuError>,
     ) -> Result<(), GpuError> {
         let ids = views.map(TextureView::id);
-        if self.textures.as_ref().is_some_and(|(bound, _)| *bound == ids) {
+        if self.sides.as_ref().is_some_and(|(bound, _)| *bound == ids) {
             return Ok(());
         }
-        let [depth, normals, openness] = views.map(|view| BindingResource::TextureView(view));
-        let device = &self.network.gpu.device;
-        let of = |attribute| self.gbuffer.buffer(attribute).as_entire_binding();
-        let [position, normal, valid] = SHOWN.map(of);
-        let seen = self.seen.as_entire_binding();
-        let read = passes.read(device)?;
-        let read = read.bind(device, &[seen, depth, normals, position, normal, valid])?;
-        let write = passes.write(device, views[2].texture().format())?;
-        let write = write.bind(device, &[self.image.as_entire_binding(), openness])?;
-        self.textures = Some((ids, [read, write]));
+        let Self { network, seen, gbuffer, image, size, .. } = &*self;
+        let inside = Inside { device: &network.gpu.device, size: *size, seen, gbuffer, image };
+        self.sides = Some((ids, make(&inside, views)?));
         Ok(())
     }
 
-    /// Records all passes, from the prepass' textures to that of openness, on those of the last frame.
-    /// Nothing is made anew.
+    /// Records all passes, from Bevy's textures to the one that the effect is written to, on those of the
+    /// last frame. Nothing is made anew.
     pub fn encode(&self, encoder: &mut CommandEncoder) {
-        let Some((_, [read, write])) = &self.textures else { return };
-        let groups = gpu::groups(self.size[0], self.size[1], TILE);
-        read.dispatch(encoder, groups);
+        let Some((_, sides)) = &self.sides else { return };
+        sides.before.iter().for_each(|step| step.encode(encoder));
         self.estimates.iter().for_each(|estimate| estimate.encode(encoder));
         self.input.encode(encoder);
         self.runner.encode(encoder);
         self.image_pass.encode(encoder);
-        write.dispatch(encoder, groups);
+        sides.after.encode(encoder);
     }
 
     /// Rows and columns of the image.
@@ -149,26 +149,31 @@ impl LearnedShading {
         self.size
     }
 
-    /// What the camera sees, in camera space: `position` and `normal`, three planes each, and `valid`, which
-    /// is 1 where a surface is seen.
+    /// What the camera sees, in planes, `valid` among them, which is 1 where something is seen. Occlusion has
+    /// `position` and `normal` in camera space. Depth of field has `light`, `depth` and `blurriness`; its
+    /// light is exposed, so that 99 % of what is not black is at most 1, and a sky is a surface far away.
     pub const fn gbuffer(&self) -> &GpuGBuffer {
         &self.gbuffer
     }
 
-    /// Openness, a plane of the image's size: 1 where nothing occludes.
+    /// The effect's image. Of occlusion openness, a plane: 1 where nothing occludes. Of depth of field
+    /// exposed light, three planes.
     pub const fn image(&self) -> &Buffer {
         &self.image
     }
 }
 
-/// The view of a frame as methods see it, of which they want to know the angle of view alone.
-fn view([height, width]: [usize; 2], focal_length: f32, radius: f32) -> View {
+/// The view of a frame as methods see it, of which they want to know the angle of view and the lens alone.
+fn view([height, width]: [usize; 2], focal_length: f32, reach: Reach) -> View {
+    let Reach { radius, lens } = reach;
     let vertical_fov = 2.0 * (0.5 * height as f32 / focal_length).atan();
     let ahead = [0.0, 0.0, -1.0].into();
-    let camera = Camera { vertical_fov, ..Camera::look_at(Default::default(), ahead) };
+    let camera = Camera { vertical_fov, lens, ..Camera::look_at(Default::default(), ahead) };
     View { height, width, camera, radius, seed: SEED }
 }
 
-fn scale(network: &DeviceNetwork, focal_length: f32, radius: f32) -> FrameScale {
+/// Light is 1 to networks as it is: what they read of it is exposed before.
+fn scale(network: &DeviceNetwork, focal_length: f32, reach: Reach) -> FrameScale {
+    let radius = reach.radius;
     FrameScale { focal_length, radius, scaling: network.spec.scaling_of_lengths(radius) }
 }

@@ -1,14 +1,22 @@
-//! The two passes between Bevy's textures and deepshade's buffers.
+//! What runs on both sides of a network: passes between Bevy's textures and deepshade's buffers.
+
+mod draw;
+mod light;
+mod openness;
 
 use bevy::prelude::{Mat4, Resource, UVec2};
 use bytemuck::{Pod, Zeroable};
-use deepshade_shaders::gpu::{GpuError, Pass};
-use wgpu::TextureFormat;
+use deepshade_render::screen::GpuGBuffer;
+use deepshade_shaders::Attribute;
+use deepshade_shaders::gpu::{BoundPass, Pass};
+use draw::{BoundDraw, Draw};
+use light::LightPasses;
+use wgpu::{BindingResource, Buffer, CommandEncoder, Device, TextureFormat};
 
-/// Edge of a workgroup, pixels: `WIDTH` in the shaders.
-pub(crate) const TILE: u32 = 8;
+/// Edge of a workgroup, pixels, in shaders that run once a pixel.
+const TILE: u32 = 8;
 
-/// What `read.wgsl` is told of a view.
+/// What shaders are told of a view.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Seen {
@@ -18,47 +26,71 @@ pub(crate) struct Seen {
     pub view_from_world: Mat4,
     /// Columns and rows of the image.
     pub size: UVec2,
-    /// Where the viewport begins in the prepass' textures, pixels.
+    /// Where the viewport begins in Bevy's textures, pixels.
     pub origin: UVec2,
+    /// Radius in pixels of the circle of confusion of what is infinitely far away.
+    pub blur_at_infinity: f32,
+    /// Depth of the plane in focus.
+    pub focus: f32,
+    /// Uniforms come in sixteens of bytes.
+    pub spare: [f32; 2],
 }
 
 /// The passes, compiled when they are first wanted.
 #[derive(Default, Resource)]
 pub(crate) struct TexturePasses {
-    read: Option<Pass>,
-    write: Option<(TextureFormat, Pass)>,
+    read_prepass: Option<Pass>,
+    write_openness: Option<(TextureFormat, Pass)>,
+    light: Option<LightPasses>,
+    write_light: Option<(TextureFormat, Draw)>,
 }
 
-impl TexturePasses {
-    /// From a prepass' depth and normals to positions, normals and what is seen.
-    ///
-    /// # Errors
-    /// If the device refuses it.
-    pub fn read(&mut self, device: &wgpu::Device) -> Result<Pass, GpuError> {
-        if let Some(pass) = &self.read {
-            return Ok(pass.clone());
-        }
-        let pass = Pass::new(device, "bevy.read", include_str!("read.wgsl"))?;
-        Ok(self.read.insert(pass).clone())
-    }
+/// What a camera's passes between textures and network are bound to.
+pub(crate) struct Inside<'a> {
+    /// Bevy's device.
+    pub device: &'a Device,
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// [`Seen`].
+    pub seen: &'a Buffer,
+    /// What the network and its estimates are shown.
+    pub gbuffer: &'a GpuGBuffer,
+    /// The effect's image.
+    pub image: &'a Buffer,
+}
 
-    /// From openness in a buffer to a texture as Bevy's ambient occlusion has it, `R16Float` or `R32Float`.
-    ///
-    /// # Errors
-    /// If the device refuses it.
-    pub fn write(&mut self, device: &wgpu::Device, format: TextureFormat) -> Result<Pass, GpuError> {
-        if let Some((known, pass)) = &self.write
-            && *known == format
-        {
-            return Ok(pass.clone());
+/// What runs before and after the network.
+pub(crate) struct Sides {
+    /// From textures to the g-buffer.
+    pub before: Vec<Step>,
+    /// From the image to a texture.
+    pub after: Step,
+}
+
+/// Something to be recorded.
+pub(crate) enum Step {
+    /// All of a buffer becomes 0.
+    Clear(Buffer),
+    /// A pass with so many workgroups.
+    Dispatch(BoundPass, [u32; 3]),
+    /// A pass over the pixels of a texture.
+    Draw(BoundDraw),
+}
+
+impl Step {
+    /// Records it.
+    pub fn encode(&self, encoder: &mut CommandEncoder) {
+        match self {
+            Self::Clear(buffer) => encoder.clear_buffer(buffer, 0, None),
+            Self::Dispatch(pass, workgroups) => pass.dispatch(encoder, *workgroups),
+            Self::Draw(draw) => draw.encode(encoder),
         }
-        let source = include_str!("write.wgsl");
-        let source = match format {
-            TextureFormat::R16Float => source.replace("r32float", "r16float"),
-            _ => source.to_owned(),
-        };
-        let pass = Pass::new(device, "bevy.write", &source)?;
-        self.write = Some((format, pass.clone()));
-        Ok(pass)
+    }
+}
+
+impl Inside<'_> {
+    /// The planes of an attribute.
+    fn planes(&self, attribute: Attribute) -> BindingResource<'_> {
+        self.gbuffer.buffer(attribute).as_entire_binding()
     }
 }

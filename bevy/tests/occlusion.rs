@@ -1,4 +1,5 @@
-//! The component in a Bevy app without a window, on any Vulkan adapter; a software one will do.
+//! The component of ambient occlusion in a Bevy app without a window, on any Vulkan adapter; a software one
+//! will do.
 
 #[allow(dead_code, reason = "each test uses a part of it")]
 mod support;
@@ -53,12 +54,12 @@ fn bevys_materials_read_the_networks_openness() {
     bevy.learned(WANTED);
     assert_eq!(bevy.failures(), [""; 0]);
     let made = bevy.openness().expect("read").expect("the texture is there");
-    let gbuffer = bevy.gbuffer().expect("read");
+    let gbuffer = bevy.gbuffer::<LearnedAmbientOcclusion>().expect("read");
     let seen = gbuffer.seen().expect("valid");
 
     // The same g-buffer by deepshade itself, and controls.
     let model = Model::load(&models().join(WANTED.quality.folder())).expect("a network");
-    let own_image = own::openness(&model, &gbuffer, RADIUS).expect("openness");
+    let own_image = own::image(&model, &gbuffer, RADIUS).expect("openness");
     let [largest, stray] = differences(&made, &own_image, USUAL);
     println!("largest difference {largest:.2e}, {:.2} % above {USUAL}", 100.0 * stray);
     assert!(is_like(&made, &own_image), "largest {largest}, stray {stray}");
@@ -66,13 +67,13 @@ fn bevys_materials_read_the_networks_openness() {
     let moved = Planes::from_fn(1, height, width, |c, y, x| own_image.at(c, y, (x + 1) % width));
     let flipped = Planes::from_fn(1, height, width, |c, y, x| own_image.at(c, height - 1 - y, x));
     let darker = own_image.map(|value| 0.99 * value);
-    let farther = own::openness(&model, &gbuffer, 1.1 * RADIUS).expect("openness");
+    let farther = own::image(&model, &gbuffer, 1.1 * RADIUS).expect("openness");
     for wrong in [&moved, &flipped, &darker, &farther] {
         assert!(!is_like(&made, wrong), "a control passes");
     }
 
     // Bevy's g-buffer, of ten bits a normal and drawn by triangles, shows what rays show.
-    let by_rays = own::openness(&model, &frame.gbuffer(), RADIUS).expect("openness");
+    let by_rays = own::image(&model, &frame.gbuffer(), RADIUS).expect("openness");
     let [similarity, _] = scores(&made, &by_rays, &seen);
     println!("beside deepshade's own g-buffer: SSIM {similarity:.4}");
     assert!(similarity > 0.97, "{similarity}");
@@ -95,7 +96,7 @@ fn bevys_materials_read_the_networks_openness() {
     // Another radius, from frame to frame.
     bevy.with(LearnedAmbientOcclusion { radius: 0.5 * RADIUS, ..WANTED });
     let near = bevy.openness().expect("read").expect("the texture is there");
-    assert!(is_like(&near, &own::openness(&model, &gbuffer, 0.5 * RADIUS).expect("openness")));
+    assert!(is_like(&near, &own::image(&model, &gbuffer, 0.5 * RADIUS).expect("openness")));
     assert!(!is_like(&near, &made));
 
     // Through a part of the image, which has another size.
@@ -103,10 +104,10 @@ fn bevys_materials_read_the_networks_openness() {
     bevy.look_through(CORNER, PART);
     let part = bevy.openness().expect("read").expect("the texture is there");
     assert_eq!([part.height(), part.width()], PART);
-    let seen_through = bevy.gbuffer().expect("read");
-    assert!(is_like(&part, &own::openness(&model, &seen_through, RADIUS).expect("openness")));
+    let seen_through = bevy.gbuffer::<LearnedAmbientOcclusion>().expect("read");
+    assert!(is_like(&part, &own::image(&model, &seen_through, RADIUS).expect("openness")));
     let by_rays = Frame { size: PART, ..frame }.gbuffer();
-    let by_rays = own::openness(&model, &by_rays, RADIUS).expect("openness");
+    let by_rays = own::image(&model, &by_rays, RADIUS).expect("openness");
     let [similarity, _] = scores(&part, &by_rays, &seen_through.seen().expect("valid"));
     assert!(similarity > 0.97, "through a part: {similarity}");
     bevy.look_through([0, 0], SIZE);

@@ -11,25 +11,25 @@ use deepshade_shaders::gpu;
 use std::error::Error;
 
 /// Runs before the clock counts.
-const WARM_UP: usize = 1;
+pub(super) const WARM_UP: usize = 1;
 /// Runs of which the median is taken.
-const TIMED: usize = 7;
+pub(super) const TIMED: usize = 7;
 
-/// Milliseconds of the passes of a frame with learned occlusion.
+/// Milliseconds of the passes of a frame for a component of ours.
 ///
 /// # Errors
 /// If the last frame had none, or the device fails.
-pub fn learned(bevy: &mut Headless) -> Result<f64, Box<dyn Error>> {
+pub fn learned<E: Send + Sync + 'static>(bevy: &mut Headless) -> Result<f64, Box<dyn Error>> {
     let (device, queue) = bevy.device();
     let (device, queue) = (device.clone(), queue.clone());
     let world = bevy.world_mut();
-    let mut query = world.query::<&LearnedShading>();
-    let shading = query.iter(world).next().ok_or("no learned occlusion")?;
+    let mut query = world.query::<&LearnedShading<E>>();
+    let shading = query.iter(world).next().ok_or("no learned effect")?;
     let record = |encoder: &mut wgpu::CommandEncoder| shading.encode(encoder);
     Ok(gpu::time(&device, &queue, "learned", WARM_UP, TIMED, record)?.milliseconds)
 }
 
-/// Milliseconds of the passes of a frame with Bevy's own.
+/// Milliseconds of the passes of a frame with Bevy's own occlusion.
 ///
 /// # Errors
 /// If the last frame had none, or the device fails.

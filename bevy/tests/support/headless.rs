@@ -1,30 +1,27 @@
 //! A Bevy app without a window that draws a glTF scene into an image, frame by frame.
 
-use super::{reading, types};
+use super::{cameras, reading, types};
 use bevy::app::{App, PluginGroup};
 use bevy::asset::{AssetPlugin, AssetServer, Assets, Handle, RenderAssetUsages};
-use bevy::camera::{Camera3d, PerspectiveProjection, Projection, RenderTarget, Viewport};
-use bevy::color::Color;
-use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
+use bevy::camera::{Projection, RenderTarget, Viewport};
 use bevy::image::Image;
-use bevy::light::AmbientLight;
 use bevy::log::LogPlugin;
-use bevy::math::{Mat3, Quat, UVec2, Vec3};
+use bevy::math::UVec2;
 use bevy::pbr::{ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionResources};
-use bevy::prelude::{Bundle, Camera, ClearColorConfig, DefaultPlugins, Entity, Mesh3d, Transform};
+use bevy::prelude::{Bundle, Camera, DefaultPlugins, Entity, Mesh3d};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::{PipelineCache, TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::texture::GpuImage;
-use bevy::render::view::Msaa;
+use bevy::render::view::ViewTarget;
 use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::{ExitCondition, WindowPlugin};
 use bevy::winit::WinitPlugin;
 use bevy::world_serialization::WorldAssetRoot;
 use deepshade_bevy::{DeepshadePlugin, LearnedAmbientOcclusion, LearnedFailures, LearnedShading};
 use deepshade_render::scene;
-use deepshade_shaders::{Attribute, GBuffer, Planes};
+use deepshade_shaders::{GBuffer, Planes};
 use std::error::Error;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -84,7 +81,7 @@ impl Headless {
         let asset = app.world().resource::<AssetServer>().load(format!("{file}#Scene0"));
         app.world_mut().spawn(WorldAssetRoot(asset));
         let camera =
-            app.world_mut().spawn((seen_by(camera), RenderTarget::Image(target.clone().into()))).id();
+            app.world_mut().spawn((cameras::of(camera), RenderTarget::Image(target.clone().into()))).id();
         let mut headless = Self { app, camera, target, size };
         headless.wait()?;
         Ok(headless)
@@ -125,9 +122,20 @@ impl Headless {
         }
     }
 
+    /// Adds something to the scene and draws until it shows.
+    pub fn add(&mut self, bundle: impl Bundle) {
+        self.app.world_mut().spawn(bundle);
+        self.draw(SETTLED);
+    }
+
+    /// Puts something on the camera that shows from the next frame on.
+    pub fn put(&mut self, bundle: impl Bundle) {
+        self.app.world_mut().entity_mut(self.camera).insert(bundle);
+    }
+
     /// Puts something on the camera and draws until it shows.
     pub fn with(&mut self, bundle: impl Bundle) {
-        self.app.world_mut().entity_mut(self.camera).insert(bundle);
+        self.put(bundle);
         self.draw(SETTLED);
     }
 
@@ -192,28 +200,39 @@ impl Headless {
             views.collect()
         };
         let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
-        Ok(views.first().map(|view| reading::texture(device, queue, view)).transpose()?)
+        Ok(views.first().map(|view| reading::texture(device, queue, view, 1)).transpose()?)
     }
 
-    /// What the camera sees, as Bevy's prepass tells it.
-    pub fn gbuffer(&mut self) -> Result<GBuffer> {
+    /// What the passes of a component are shown of the camera.
+    pub fn gbuffer<E: Send + Sync + 'static>(&mut self) -> Result<GBuffer> {
         let world = self.app.sub_app_mut(RenderApp).world_mut();
-        let mut query = world.query::<&LearnedShading>();
-        let shading = query.iter(world).next().ok_or("no learned occlusion")?;
+        let mut query = world.query::<&LearnedShading<E>>();
+        let shading = query.iter(world).next().ok_or("no learned effect")?;
         let [height, width] = shading.size();
         let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
-        let attributes = [Attribute::Position, Attribute::Normal, Attribute::Valid];
-        let mut values = Vec::new();
-        for attribute in attributes {
+        let (mut attributes, mut values) = (Vec::new(), Vec::new());
+        for attribute in shading.gbuffer().attributes() {
             let buffer = shading.gbuffer().buffer(attribute);
             let shape = [attribute.width(), height, width];
             values.extend_from_slice(reading::planes(device.wgpu_device(), queue, buffer, shape)?.data());
+            attributes.push(attribute);
         }
         let channels = values.len() / (height * width);
-        Ok(GBuffer::new(attributes.to_vec(), Planes::from_data(channels, height, width, values)))
+        Ok(GBuffer::new(attributes, Planes::from_data(channels, height, width, values)))
     }
 
-    /// Why there is no learned occlusion.
+    /// The picture before it is shown, `[3, height, width]`: as the last pass on it has left it, or as that
+    /// pass has found it.
+    pub fn light(&mut self, is_found: bool) -> Result<Planes> {
+        let world = self.app.sub_app_mut(RenderApp).world_mut();
+        let mut query = world.query::<&ViewTarget>();
+        let target = query.iter(world).next().ok_or("nothing is drawn")?;
+        let view = if is_found { target.main_texture_other_view() } else { target.main_texture_view() };
+        let (device, queue) = (world.resource::<RenderDevice>(), world.resource::<RenderQueue>());
+        Ok(reading::texture(device, queue, view, 3)?)
+    }
+
+    /// Why there is not what the camera asks for.
     pub fn failures(&self) -> Vec<String> {
         self.world().resource::<LearnedFailures>().all().map(str::to_owned).collect()
     }
@@ -240,24 +259,4 @@ impl Headless {
         let value = |c: usize, y: usize, x: usize| f32::from(bytes[y * row as usize + 4 * x + c]) / 255.0;
         Ok(Planes::from_fn(3, height, width, value))
     }
-}
-
-/// A camera of deepshade's as Bevy has it, in white light from everywhere.
-fn seen_by(camera: &scene::Camera) -> impl Bundle {
-    let rotation = Mat3::from_cols_array(&camera.rotation.to_cols_array());
-    let projection = PerspectiveProjection { fov: camera.vertical_fov, near: 0.01, ..Default::default() };
-    (
-        Camera3d::default(),
-        Camera { clear_color: ClearColorConfig::Custom(Color::BLACK), ..Default::default() },
-        Projection::Perspective(projection),
-        Transform {
-            translation: Vec3::from_array(camera.position.to_array()),
-            rotation: Quat::from_mat3(&rotation),
-            ..Default::default()
-        },
-        Msaa::Off,
-        Tonemapping::None,
-        DebandDither::Disabled,
-        AmbientLight { color: Color::WHITE, brightness: 1000.0, affects_lightmapped_meshes: true },
-    )
 }

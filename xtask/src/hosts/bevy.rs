@@ -1,4 +1,5 @@
-//! Bevy, with the crate in `bevy/`: its tests, and Bevy's own ambient occlusion beside the network's.
+//! Bevy, with the crate in `bevy/`: its tests, and Bevy's own ambient occlusion and depth of field beside the
+//! networks'.
 
 use crate::command::{self, root, target};
 use crate::program::Program;
@@ -7,9 +8,10 @@ use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// What the example measures and is told: mean scores of frames against path-traced truth, milliseconds, and
-/// the largest difference from the program's image of the same frame.
-const FIGURES: [&str; 14] = [
+/// What the example measures and is told: mean scores of frames, of occlusion against path-traced truth, of
+/// depth of field against the mean of Bevy's own frames over the lens; milliseconds; and the largest
+/// difference from the program's image of the same frame.
+const FIGURES: [&str; 21] = [
     "max_abs_bevy",
     "stray_bevy",
     "ssim_bevy_ssao",
@@ -24,6 +26,13 @@ const FIGURES: [&str; 14] = [
     "ms_bevy_ssao_custom",
     "ms_bevy_learned",
     "ms_bevy_learned_small",
+    "max_abs_bevy_dof",
+    "ssim_bevy_dof",
+    "ssim_bevy_dof_best",
+    "ssim_bevy_dof_learned",
+    "ssim_bevy_dof_none",
+    "ms_bevy_dof",
+    "ms_bevy_dof_learned",
 ];
 /// Largest difference. Rounding moves borders of what `gtao` counts, as between two devices.
 const WORST: f64 = 0.05;
@@ -49,8 +58,12 @@ pub fn test(program: &Program) -> Result<Vec<(String, f64)>> {
         let value = measured["figures"][name].as_f64();
         value.with_context(|| format!("{}: no figure {name}", json.display()))
     };
-    let (worst, stray) = (figure("max_abs_bevy")?, figure("stray_bevy")?);
-    ensure!(worst < WORST && stray < STRAY, "off by up to {worst}; {:.2} % stray", 100.0 * stray);
+    for effect in ["bevy", "bevy_dof"] {
+        let [worst, stray] = ["max_abs", "stray"].map(|name| figure(&format!("{name}_{effect}")));
+        let (worst, stray) = (worst?, stray?);
+        let percent = 100.0 * stray;
+        ensure!(worst < WORST && stray < STRAY, "{effect}: off by up to {worst}; {percent:.2} % stray");
+    }
     FIGURES.into_iter().map(|name| Ok((name.to_owned(), figure(name)?))).collect()
 }
 

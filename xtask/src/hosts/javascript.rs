@@ -77,8 +77,8 @@ async fn checked(address: &str) -> Result<Vec<(String, f64)>> {
     Ok(found)
 }
 
-/// The example with three.js: what its node and three.js's own take, and how like truth they are. Both have to
-/// darken the frame; ours at another size, and with no other node, too.
+/// The example with three.js: what its node and three.js's own take, and how like truth they are. Both have
+/// to darken the frame; ours at another size, and with no other node, too.
 async fn in_three(address: &str, stage: &Path, program: &Program) -> Result<Vec<(String, f64)>> {
     let browser = Browser::open(WEBGPU).await?;
     let [height, width] = SIZE;

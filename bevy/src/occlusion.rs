@@ -1,8 +1,19 @@
-//! What an app puts on a camera.
+//! The component of ambient occlusion.
 
-use crate::LearnedError;
+use crate::effect::{LearnedEffect, Reach};
+use crate::{LearnedError, LearnedShading};
 use bevy::core_pipeline::prepass::{DepthPrepass, NormalPrepass};
+use bevy::pbr::{
+    ScreenSpaceAmbientOcclusion, ScreenSpaceAmbientOcclusionResources, SsaoBindGroups, SsaoPipelineId,
+};
 use bevy::prelude::{Component, Reflect, ReflectComponent, ReflectDefault};
+use bevy::render::RenderApp;
+use bevy::render::renderer::RenderDevice;
+use bevy::render::sync_component::SyncComponent;
+use deepshade_shaders::{Attribute, Effect};
+
+/// Storage textures that Bevy's own passes bind.
+const STORAGE_TEXTURES: u32 = 5;
 
 /// Ambient occlusion by a network, for a `Camera3d` with `Msaa::Off` and a perspective projection. It takes
 /// the place of Bevy's `ScreenSpaceAmbientOcclusion` where a camera has both.
@@ -54,6 +65,45 @@ impl Quality {
             Self::Low => "ao-small",
             Self::High => "ao",
         }
+    }
+}
+
+/// Bevy's own components are among it: they have its materials read the texture.
+impl SyncComponent<RenderApp> for LearnedAmbientOcclusion {
+    type Target = (
+        Self,
+        LearnedShading<Self>,
+        ScreenSpaceAmbientOcclusion,
+        ScreenSpaceAmbientOcclusionResources,
+        SsaoPipelineId,
+        SsaoBindGroups,
+    );
+}
+
+impl LearnedEffect for LearnedAmbientOcclusion {
+    const COMPONENT: &'static str = "LearnedAmbientOcclusion";
+    const EFFECT: Effect = Effect::Ao;
+    const SHOWN: &'static [Attribute] = &[Attribute::Position, Attribute::Normal, Attribute::Valid];
+    /// With it Bevy makes the texture, and its materials read it.
+    type OfBevy = ScreenSpaceAmbientOcclusion;
+
+    fn folder(&self) -> &'static str {
+        self.quality.folder()
+    }
+
+    fn checked(&self) -> Result<(), LearnedError> {
+        self.check()
+    }
+
+    fn check_device(device: &RenderDevice) -> Result<(), LearnedError> {
+        match device.limits().max_storage_textures_per_shader_stage {
+            allowed if allowed < STORAGE_TEXTURES => Err(LearnedError::StorageTextures(allowed)),
+            _ => Ok(()),
+        }
+    }
+
+    fn reach(&self) -> Reach {
+        Reach { radius: self.radius, lens: None }
     }
 }
 
