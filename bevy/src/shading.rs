@@ -21,6 +21,8 @@ use wgpu::{Buffer, BufferUsages, CommandEncoder};
 /// Chooses the random numbers of what methods estimate: the same in every frame, so that their noise stands
 /// still, and the same as in deepshade's program.
 const SEED: u32 = 1;
+/// For so many pictures at once passes stay bound.
+const KEPT: usize = 2;
 
 /// In the render world, on a camera with a learned effect: its passes and what they write, for whoever wants
 /// to read that in passes of their own. `E` is the component that asks for it.
@@ -32,8 +34,9 @@ pub struct LearnedShading<E = LearnedAmbientOcclusion> {
     pub(crate) size: [usize; 2],
     network: Arc<DeviceNetwork>,
     seen: Buffer,
-    /// The passes on both sides, on the textures of these views.
-    sides: Option<([TextureViewId; 3], Sides)>,
+    /// The passes on both sides, on the textures of these views, those of the last frame last. Bevy's pictures
+    /// may change places from frame to frame.
+    sides: Vec<([TextureViewId; 3], Sides)>,
     gbuffer: GpuGBuffer,
     estimates: Vec<EstimatePasses>,
     input: FrameRecording,
@@ -82,7 +85,7 @@ impl<E> LearnedShading<E> {
             usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let (sides, of) = (None, PhantomData);
+        let (sides, of) = (Vec::new(), PhantomData);
         Ok(Self {
             folder,
             size,
@@ -123,19 +126,24 @@ impl<E> LearnedShading<E> {
         make: impl FnOnce(&Inside<'_>, [&TextureView; 3]) -> Result<Sides, GpuError>,
     ) -> Result<(), GpuError> {
         let ids = views.map(TextureView::id);
-        if self.sides.as_ref().is_some_and(|(bound, _)| *bound == ids) {
+        if let Some(at) = self.sides.iter().position(|(bound, _)| *bound == ids) {
+            self.sides[at..].rotate_left(1);
             return Ok(());
         }
         let Self { network, seen, gbuffer, image, size, .. } = &*self;
         let inside = Inside { device: &network.gpu.device, size: *size, seen, gbuffer, image };
-        self.sides = Some((ids, make(&inside, views)?));
+        let made = make(&inside, views)?;
+        if self.sides.len() == KEPT {
+            self.sides.remove(0);
+        }
+        self.sides.push((ids, made));
         Ok(())
     }
 
     /// Records all passes, from Bevy's textures to the one that the effect is written to, on those of the
     /// last frame. Nothing is made anew.
     pub fn encode(&self, encoder: &mut CommandEncoder) {
-        let Some((_, sides)) = &self.sides else { return };
+        let Some((_, sides)) = self.sides.last() else { return };
         sides.before.iter().for_each(|step| step.encode(encoder));
         self.estimates.iter().for_each(|estimate| estimate.encode(encoder));
         self.input.encode(encoder);

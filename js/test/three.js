@@ -63,17 +63,23 @@ export async function exported() {
 
 /**
  * How like truth the occlusion is that each of the two nodes makes for a radius, by structural similarity:
- * three.js's with its defaults and at its best, and a picture that deepshade's program made of the frame, which
- * says whether similarity is here what it is there. `truth` and `picture` are addresses of PNG files.
+ * three.js's with its defaults and at its best; so is a picture that deepshade's program made of the frame,
+ * which says whether similarity is here what it is there, and how like that our node's is. `truth` and
+ * `picture` are addresses of PNG files.
  */
 export async function besideTruth(radius, truth, picture) {
   const { renderer, theirs, ours } = window.deepshade;
   renderer.setAnimationLoop(() => {});
   const { width, height } = renderer.domElement;
-  const [wanted, made] = await Promise.all([truth, picture].map((address) => fetched(address, width, height)));
+  const read = (address) => fetched(address, width, height);
+  const [wanted, made] = [await read(truth), await read(picture)];
   const score = async (which) => similarity(await opennessOf(which), wanted, width);
   ours.radius.value = theirs.radius.value = radius;
-  const figures = { ssim_picture: similarity(made, wanted, width), ssim_learned: await score(1) };
+  const figures = {
+    ssim_picture: similarity(made, wanted, width),
+    ssim_own: similarity(await opennessOf(1), made, width),
+    ssim_learned: await score(1),
+  };
   const tried = [];
   for (const samples of SAMPLES)
     for (const reach of REACHES) {
@@ -85,7 +91,7 @@ export async function besideTruth(radius, truth, picture) {
   const best = tried.reduce((a, b) => (b.ssim > a.ssim ? b : a));
   theirs.samples.value = SAMPLES[0];
   theirs.radius.value = radius;
-  return { ...figures, ssim_gtao: usual.ssim, ssim_gtao_best: best.ssim, best_reach: best.reach, best_samples: best.samples };
+  return { ...figures, ssim_gtao: usual.ssim, ssim_gtao_best: best.ssim, best };
 }
 
 /** Structural similarity of images of openness, row by row, in tiles of 8 x 8, as deepshade measures it. */
@@ -106,8 +112,10 @@ function similarity(a, b, width) {
       }
       const [mean, means] = [sums.a / tile ** 2, sums.b / tile ** 2];
       const of = (squares, product) => squares / tile ** 2 - product;
-      const [va, vb, vab] = [of(sums.aa, mean * mean), of(sums.bb, means * means), of(sums.ab, mean * means)];
-      sum += ((2 * mean * means + c1) * (2 * vab + c2)) / ((mean ** 2 + means ** 2 + c1) * (va + vb + c2));
+      const [va, vb] = [of(sums.aa, mean * mean), of(sums.bb, means * means)];
+      const vab = of(sums.ab, mean * means);
+      const least = (mean ** 2 + means ** 2 + c1) * (va + vb + c2);
+      sum += ((2 * mean * means + c1) * (2 * vab + c2)) / least;
       count += 1;
     }
   return sum / count;

@@ -50,8 +50,7 @@ use subject::LpvFrame;
     factors, lobes and lookup in relmse_paper; light that the medium scattered once is that of \
     `gpu-epipolar`, but in relmse_lpv_traced_single and relmse_paper_traced_single, where it is path traced; \
     relmse_multiple that of multiple scattering alone, relmse_multiple_CELLS_ITERATIONS of grids of many \
-    sizes, relmse_multiple_nested of a grid of 32 cells with a finer one around the camera, \
-    relmse_multiple_one_grid of one that takes as long, relmse_multiple_two_bands of the \
+    sizes, relmse_multiple_two_bands of the \
     paper's lobes in the grid of relmse_multiple_32_32; relmse_black of \
     nothing. flip_NAME and brightness_NAME are beside each, brightness_lit_NAME and brightness_dark_NAME \
     where the lamp lights what is seen and where it does not, over truth's; of several scenes all are means \

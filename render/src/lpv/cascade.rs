@@ -8,20 +8,21 @@
 //! coarser one, as is what comes back of it.
 //!
 //! In the middle of a finer grid fluence is too high: by a tenth of light of a point outside. Surfaces see
-//! little of that, a medium all. So there are none in a medium.
+//! little of that, a medium all. So there are none in a medium. A third grid, in the second, was too bright
+//! where the borders of both are the scene's.
 
-use super::lattice::{COUNTS, DISTANCES, SHARES};
-use super::lobe::Lobes;
 use super::propagation::Light;
-use super::{LightGrid, Volume};
+use super::{Flight, LightGrid, Scheme, Volume};
 use glam::Vec4;
 
-/// Fluence of light of a cell, such as to make it so bright in all iterations, over the energy that arrives
-/// there: as if as much went through the cells beside it.
-fn way_of(lobes: Lobes, light: Vec4) -> f32 {
-    let energies = lobes.by_class(lobes.begins(light)).map(|energy| energy / light.w);
-    let half = |class: usize| 0.5 * DISTANCES[class] * (energies[class] + COUNTS[class] * SHARES[class]);
-    (0..energies.len()).map(half).sum()
+impl Flight {
+    /// Fluence of light of a cell, such as to make it so bright in all iterations, over the energy that
+    /// arrives there: as if as much went through the cells beside it.
+    fn way_of(&self, scheme: Scheme, light: Vec4) -> f32 {
+        let energies = scheme.lobes.by_class(scheme.lobes.begins(light)).map(|energy| energy / light.w);
+        let goes_on = |class: usize| energies[class] * self.streams[class] * self.tracks_in[class];
+        self.track_out + (0..energies.len()).map(goes_on).sum::<f32>()
+    }
 }
 
 /// Light in a cell at the border of a finer volume, by what a coarser grid shows around it.
@@ -33,6 +34,10 @@ pub fn at_border((coarse, shown): (&LightGrid, &[Light]), volume: &Volume, cell:
     std::array::from_fn(|colour| {
         let light = shown[around][colour] * area;
         // Bands may show less than nothing.
-        if light.w > 0.0 { light / way_of(volume.scheme.lobes, light) } else { Vec4::ZERO }
+        if light.w > 0.0 {
+            light / volume.flights[cell][colour].way_of(volume.scheme, light)
+        } else {
+            Vec4::ZERO
+        }
     })
 }

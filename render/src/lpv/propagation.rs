@@ -209,9 +209,10 @@ impl Field {
     }
 
     /// It, of [one kind](Kinds::ONE), in a finer grid, with light of what a coarser one shows along its
-    /// border.
+    /// border in place of its own there.
     #[must_use]
     pub fn nested(mut self, volume: &Volume, outside: (&LightGrid, &[Light])) -> Self {
+        debug_assert_eq!(self.kinds, Kinds::ONE);
         self.is_nested = true;
         for cell in volume.grid.border() {
             let light = at_border(outside, volume, cell);

@@ -11,7 +11,7 @@ use std::process::Command;
 /// What the example measures and is told: mean scores of frames, of occlusion against path-traced truth, of
 /// depth of field against the mean of Bevy's own frames over the lens; milliseconds; and the largest
 /// difference from the program's image of the same frame.
-const FIGURES: [&str; 21] = [
+const FIGURES: [&str; 24] = [
     "max_abs_bevy",
     "stray_bevy",
     "ssim_bevy_ssao",
@@ -31,6 +31,9 @@ const FIGURES: [&str; 21] = [
     "ssim_bevy_dof_best",
     "ssim_bevy_dof_learned",
     "ssim_bevy_dof_none",
+    "mean_abs_bevy_dof",
+    "mean_abs_bevy_dof_learned",
+    "mean_abs_bevy_dof_none",
     "ms_bevy_dof",
     "ms_bevy_dof_learned",
 ];

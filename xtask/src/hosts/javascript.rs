@@ -23,6 +23,9 @@ const RADIUS: f64 = 0.5;
 const TRUTH_SAMPLES: u32 = 1024;
 /// By how much similarity may differ from the program's of the same picture, which a PNG file rounds.
 const SIMILAR: f64 = 0.005;
+/// How like the program's picture of the frame the node's is at least: both see the same, and half a pixel
+/// aside they would not.
+const ALIKE: f64 = 0.97;
 /// How long a page may take: the software adapter compiles every pass.
 const PATIENCE: Duration = Duration::from_mins(10);
 
@@ -110,7 +113,7 @@ async fn in_three(address: &str, stage: &Path, program: &Program) -> Result<Vec<
 /// How like truth of the example's frame, which the program renders, both nodes are.
 async fn beside_truth(browser: &Browser, stage: &Path, program: &Program) -> Result<Vec<(String, f64)>> {
     let exported = browser.evaluated("import('/test/three.js').then((test) => test.exported())").await?;
-    let (scene, report, json) = (stage.join("frame.gltf"), stage.join("report"), stage.join("report.json"));
+    let [scene, report, json] = ["frame.gltf", "report", "report.json"].map(|name| stage.join(name));
     fs::write(&scene, exported.as_str().context("no glTF file")?)
         .with_context(|| scene.display().to_string())?;
     let model = root().join("models").join(NETWORKS[NETWORKS.len() - 1]);
@@ -123,35 +126,25 @@ async fn beside_truth(browser: &Browser, stage: &Path, program: &Program) -> Res
     let made =
         ["--methods", "learned", "--model", &model, "--spp", &samples, "--out", &out, "--json", &written];
     program.run(&[&["compare"], &frame[..], &made[..]].concat())?;
-    let folder = frame_folder(&report)?;
+    let of_program: Value = serde_json::from_str(&fs::read_to_string(&json)?)?;
+    let folder = of_program["details"]["frames"][0]["folder"].as_str().context("no frame")?;
     let picture = |name: &str| format!("'/report/{folder}/{name}.image.png'");
     let [truth, learned] = ["truth", "learned"].map(picture);
     let asked =
         format!("import('/test/three.js').then((test) => test.besideTruth({RADIUS}, {truth}, {learned}))");
     let measured = browser.evaluated(&asked).await?;
     println!("three.js beside truth: {measured}");
-    let of_program: Value = serde_json::from_str(&fs::read_to_string(&json)?)?;
-    let of_program = of_program["ssim_learned"].as_f64().context("no figure ssim_learned")?;
+    let of_program = of_program["figures"]["ssim_learned"].as_f64().context("no figure ssim_learned")?;
     let figure =
         |name: &str| measured[name].as_f64().with_context(|| format!("no figure {name}: {measured}"));
     let same = figure("ssim_picture")?;
     ensure!((same - of_program).abs() < SIMILAR, "similarity is {same} there and {of_program} here");
+    let alike = figure("ssim_own")?;
+    ensure!(alike > ALIKE, "the node's picture is no longer the program's of the frame: {alike}");
     let names = ["ssim_learned", "ssim_gtao", "ssim_gtao_best"];
     let figures =
         names.into_iter().map(|name| Ok((name.replace("ssim_", "ssim_browser_three_"), figure(name)?)));
     figures.collect()
-}
-
-/// The name of the folder of a report's only frame.
-fn frame_folder(report: &Path) -> Result<String> {
-    let entries = fs::read_dir(report).with_context(|| report.display().to_string())?;
-    for entry in entries {
-        let path = entry?.path();
-        if path.join("truth.image.png").is_file() {
-            return Ok(path.file_name().unwrap_or_default().to_string_lossy().into_owned());
-        }
-    }
-    anyhow::bail!("{}: no frame", report.display())
 }
 
 /// Copies the files of a folder, and those of its folders, but what npm has put there.

@@ -13,11 +13,11 @@
 //! of a scene is lit.
 //!
 //! Limits. As of [`bounced_z`](super): holes, and noise that the filter turns into blur. A small bright spot
-//! is found by few rays, and disks enlarge it. Surfels send as much to all sides, and of lamps' light what
-//! they reflect of even light. Truth's rough dielectrics reflect more of light from straight ahead, and more
-//! of it straight ahead. So closed rooms
-//! are up to a tenth too dark. In a grid the filter takes the smoke of neighbours for the pixel's own, but
-//! for how much of it there is. Lamps light surfels, nothing else does.
+//! is found by few rays, and disks enlarge it. Surfels send as much to all sides. They reflect lamps' light
+//! with the share that they reflect of even light. Truth's rough dielectrics reflect more of light from
+//! straight ahead, and more of it straight ahead. So closed rooms are up to a tenth too dark. In a grid the
+//! filter takes the smoke of neighbours for the pixel's own, but for how much of it there is. Lamps light
+//! surfels, nothing else does.
 
 mod reference;
 

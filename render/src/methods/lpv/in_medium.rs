@@ -95,10 +95,12 @@ impl Technique for InMedium {
                 passes::volume_steps(to, self.parameters, Filled::Medium(light), &surfels)?;
             steps.extend(filling);
             let marched = Marched { to, view, march, pixel, scale, adds: number > 0 };
-            steps.extend(marched.steps(&light)?);
-            if emission && !emitted.is_empty() {
+            for volume in &light {
+                steps.extend(marched.steps(volume)?);
+            }
+            for volume in emitted.iter().filter(|_| emission) {
                 let pixel = Pixel { medium: true, surface: false };
-                steps.extend(Marched { pixel, adds: true, ..marched }.steps(&emitted)?);
+                steps.extend(Marched { pixel, adds: true, ..marched }.steps(volume)?);
             }
         }
         Ok(steps)

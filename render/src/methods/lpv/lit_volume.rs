@@ -28,8 +28,6 @@ pub struct LitVolume {
     shown: CellFluence,
     /// Whether it is in a coarser one.
     is_nested: bool,
-    /// The grid of a finer one that is in it.
-    finer: Option<LightGrid>,
 }
 
 /// The volume around a scene, and finer ones in it.
@@ -102,18 +100,20 @@ impl LitVolumes {
             let level = source.level(*grid, levels.last());
             levels.push(level);
         }
-        let finer = grids.iter().skip(1).copied().map(Some).chain([None]);
         let mut volumes = [Self(Vec::new()), Self(Vec::new())];
-        for (Level { light, emission }, finer) in levels.into_iter().zip(finer) {
-            volumes[0].0.push(LitVolume { finer, ..light });
-            volumes[1].0.extend(emission.map(|light| LitVolume { finer, ..light }));
+        for Level { light, emission } in levels {
+            volumes[0].0.push(light);
+            volumes[1].0.extend(emission);
         }
         volumes
     }
 
     /// Irradiance on one side of a surface.
     pub fn irradiance(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        self.0.iter().map(|volume| volume.share_of(point) * volume.irradiance(point, normal)).sum()
+        let finer = |below: Vec3, volume: &LitVolume| {
+            below.lerp(volume.irradiance(point, normal), volume.share_of(point))
+        };
+        self.0.iter().fold(Vec3::ZERO, finer)
     }
 }
 
@@ -149,10 +149,6 @@ impl VolumeSource<'_> {
             emission = Some(emitted);
         }
         let outside = outside.map(|outside| &outside.light);
-        if outside.is_some() {
-            // What sets out from the border is the coarser grid's.
-            grid.border().for_each(|cell| reflected[cell] = Light::default());
-        }
         let field = Field::new(&volume, kinds, &reflected, &scattered);
         Level { light: self.handed_on(&volume, field, outside, self.reach), emission }
     }
@@ -186,15 +182,14 @@ impl VolumeSource<'_> {
         let within = |iteration: &usize| (*iteration as f32) * volume.grid.cell < reach;
         field.iterate(volume, (0..self.parameters.iterations).filter(within).count());
         let (grid, lookup) = (volume.grid, volume.scheme.lookup);
-        LitVolume { grid, lookup, shown: field.shown, is_nested: outside.is_some(), finer: None }
+        LitVolume { grid, lookup, shown: field.shown, is_nested: outside.is_some() }
     }
 }
 
 impl LitVolume {
-    /// What of a point's light is its, and not a coarser or a finer one's.
-    pub fn share_of(&self, point: Vec3) -> f32 {
-        let own = if self.is_nested { self.grid.share_of(point) } else { 1.0 };
-        own * (1.0 - self.finer.map_or(0.0, |finer| finer.share_of(point)))
+    /// What of a point's light is its, and not a coarser one's.
+    fn share_of(&self, point: Vec3) -> f32 {
+        if self.is_nested { self.grid.share_of(point) } else { 1.0 }
     }
 
     /// Fluence of a cell, of each colour the flux in a column, and over all directions.

@@ -201,12 +201,10 @@ pub fn volume_steps(
         steps.extend(level.1);
         levels.push(level.0);
     }
-    let finer = levels.iter().skip(1).map(|level| Some(level.light.record.clone())).chain([None]);
-    let finer: Vec<_> = finer.collect();
     let mut volumes = FilledVolumes { light: Vec::new(), emission: Vec::new() };
-    for (Level { light, emission }, finer) in levels.into_iter().zip(finer) {
-        volumes.emission.extend(emission.map(|light| VolumeOnGpu { finer: finer.clone(), ..light }));
-        volumes.light.push(VolumeOnGpu { finer, ..light });
+    for Level { light, emission } in levels {
+        volumes.emission.extend(emission);
+        volumes.light.push(light);
     }
     Ok((volumes, steps))
 }

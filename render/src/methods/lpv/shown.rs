@@ -27,34 +27,21 @@ pub struct VolumeOnGpu {
     pub kinds: Kinds,
     /// Whether it is in a coarser one.
     pub is_nested: bool,
-    /// The grid of a finer one that is in it.
-    pub finer: Option<wgpu::Buffer>,
 }
 
 impl VolumeOnGpu {
-    /// The grid of the finer one; any where there is none.
-    fn finer(&self) -> &wgpu::Buffer {
-        self.finer.as_ref().unwrap_or(&self.record)
-    }
-
-    /// Whether it is in another, as the passes have it.
-    fn nested(&self) -> (&'static str, u32) {
-        ("NESTED", u32::from(self.is_nested))
-    }
-
-    /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume is
-    /// added to what is there.
+    /// The pass that lights surfaces: irradiance over pi, `[3, height, width]`; that of a finer volume takes
+    /// the place of what is there.
     ///
     /// # Errors
     /// If the device refuses it.
     pub fn lit_step(&self, to: &Resources<'_>, view: &wgpu::Buffer) -> Result<MethodStep, GpuError> {
         let device = to.device;
-        let constants =
-            [self.scheme.lookup_constant(), self.nested(), ("FINER", u32::from(self.finer.is_some()))];
+        let constants = [self.scheme.lookup_constant(), ("NESTED", u32::from(self.is_nested))];
         let pass = device.pass(Shader::at("methods/lpv/lit"), &constants)?;
         let [position, normal, valid] = to.seen(SURFACE);
         let reads = [&self.record, position, normal, valid, view, &self.shown];
-        let reads: Vec<_> = (0..).zip(reads).chain([(7, self.finer())]).collect();
+        let reads: Vec<_> = (0..).zip(reads).collect();
         MethodStep::bind_at(device, &pass, to.whole(), &reads, &[(6, to.output)])
     }
 }
@@ -81,19 +68,11 @@ impl Marched<'_> {
     ///
     /// # Errors
     /// If the device refuses them.
-    pub fn steps(&self, volumes: &[VolumeOnGpu]) -> Result<Vec<MethodStep>, GpuError> {
+    pub fn steps(&self, volume: &VolumeOnGpu) -> Result<Vec<MethodStep>, GpuError> {
         let size = self.size();
         let scattered = gpu::empty::<f32>(self.to.device, "lpv.scattered", 3 * size[0] * size[1])?;
-        let mut steps = Vec::new();
-        if self.pixel.medium {
-            for volume in volumes {
-                steps.push(self.march_step(volume, &scattered)?);
-            }
-        }
-        for volume in volumes {
-            steps.push(self.apply_step(volume, &scattered)?);
-        }
-        Ok(steps)
+        let march = self.pixel.medium.then(|| self.march_step(volume, &scattered)).transpose()?;
+        Ok(march.into_iter().chain([self.apply_step(volume, &scattered)?]).collect())
     }
 
     /// Rows and columns of pixels that are marched.
@@ -142,8 +121,8 @@ impl Marched<'_> {
     }
 
     fn constants(&self, medium: &MediumOnGpu, volume: &VolumeOnGpu) -> [(&'static str, u32); 4] {
-        let lookup = [volume.scheme.lookup_constant(), volume.nested()];
-        [("MEDIUM", medium.kind), ("SCALE", self.scale as u32), lookup[0], lookup[1]]
+        let (medium, scale) = (("MEDIUM", medium.kind), ("SCALE", self.scale as u32));
+        [medium, scale, volume.scheme.lookup_constant(), ("NESTED", 0)]
     }
 }
 

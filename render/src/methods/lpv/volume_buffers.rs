@@ -104,10 +104,10 @@ impl VolumeBuffers {
         })
     }
 
-    /// What is shown of it; which volume is in it is not known yet.
+    /// What is shown of it.
     pub fn volume(self) -> VolumeOnGpu {
         let Self { record, shown, scheme, kinds, is_nested, .. } = self;
-        VolumeOnGpu { record, shown, scheme, kinds, is_nested, finer: None }
+        VolumeOnGpu { record, shown, scheme, kinds, is_nested }
     }
 
     /// Workgroups of a pass over all words of sums.
@@ -240,7 +240,7 @@ impl VolumeBuffers {
     /// # Errors
     /// If the device refuses it.
     pub fn border_step(&self, device: &Device, outside: &VolumeOnGpu) -> Result<MethodStep, GpuError> {
-        let pass = device.pass(Shader::at("methods/lpv/border"), &[self.scheme.lobes_constant()])?;
+        let pass = device.pass(Shader::at("methods/lpv/border"), &self.scheme.constants())?;
         let reads = [&self.record, &outside.record, &outside.shown];
         MethodStep::bind(device, &pass, self.groups.clone(), &reads, &[&self.states[0]])
     }

@@ -113,7 +113,6 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
             // Light of the cells beside it goes aside into it, and its own to its middle.
             let aside = neighbour(around);
             let there = at - aside;
-            // What sets out from the border of a finer grid is the coarser one's.
             if !is_cell(there) {
                 continue;
             }
