@@ -65,7 +65,7 @@ def test_a_run_reads_its_own_colour_and_mean_free_paths_count_by_powers_of_two()
 
 
 def test_a_faint_rest_does_not_make_a_lit_spot_too_bright() -> None:
-    estimated = replace(LIGHT, inputs=("estimate",))
+    estimated = replace(LIGHT, effect="do", inputs=("estimate",))
     for rest, expected in ((0.0, 2.0), (0.125, 8.0), (1e-9, 128.0)):
         estimate = torch.full((3, 10, 100), rest)
         estimate[:, 0, 0] = 0.5
