@@ -34,8 +34,8 @@ pub struct LearnedShading<E = LearnedAmbientOcclusion> {
     pub(crate) size: [usize; 2],
     network: Arc<DeviceNetwork>,
     seen: Buffer,
-    /// The passes on both sides, on the textures of these views, those of the last frame last. Bevy's pictures
-    /// may change places from frame to frame.
+    /// The passes on both sides, on the textures of these views, those of the last frame last. Bevy's
+    /// pictures may change places from frame to frame.
     sides: Vec<([TextureViewId; 3], Sides)>,
     gbuffer: GpuGBuffer,
     estimates: Vec<EstimatePasses>,
