@@ -166,6 +166,18 @@ fn every_effect_is_explained_and_every_method_named_beside_its_effect() {
 }
 
 #[test]
+fn the_patch_of_the_effect_that_is_shown_still_applies() {
+    let patch = source().join("thickness.patch");
+    let root = source().join("../..").canonicalize().expect("the checkout");
+    let mut command = Command::new("git");
+    command.args(["apply", "--check"]).arg(&patch).current_dir(&root);
+    // In another repository's folder git would leave out all files, and find nothing wrong.
+    command.env("GIT_CEILING_DIRECTORIES", root.parent().expect("a folder above"));
+    let output = command.output().expect("git starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
 fn what_is_wrong_in_a_book_is_found() {
     let chapter = "[a](no-such-chapter.md) [b](https://example.org)\n```sh\ndeepshade paint\ndeepshade bench \\\n  net --colour red  \
                    # --layers\ndeepshade bench net --layers\n```\n";

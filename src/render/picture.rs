@@ -3,6 +3,7 @@
 use crate::report::images::painted;
 use deepshade_render::scotopic::Scotopic;
 use deepshade_shaders::colour::luminance;
+use deepshade_shaders::effect::LitBy;
 use deepshade_shaders::{Effect, Planes};
 use glam::Vec3;
 use image::RgbImage;
@@ -39,13 +40,13 @@ pub struct Curve {
 const KEY: f32 = 0.18;
 
 impl Exposure {
-    /// The exposure of an image: plain for shares of a hemisphere, by its own brightness for light, and so
+    /// The exposure of an image: plain for what is no light, by its own brightness for light, and so
     /// that `white` becomes 1, without compression, where that is given.
     pub fn new(effect: Effect, image: &Planes, white: Option<f32>) -> Self {
         if let Some(white) = white {
             return Self::Tone { middle: KEY * white, white: f32::INFINITY };
         }
-        if effect == Effect::Ao {
+        if effect.lit_by() == LitBy::Nothing {
             return Self::Plain;
         }
         let luminances = (0..image.pixels()).map(|pixel| luminance(colour(image, pixel).into()));

@@ -8,6 +8,7 @@ use crate::render::picture::Exposure;
 use anyhow::{Context, Result};
 use deepshade_infer::Model;
 use deepshade_render::scene::procedural::Family;
+use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::gpu::{self, Gpu};
 use deepshade_shaders::{Effect, Planes, wgsl};
 use glam::Vec2;
@@ -39,15 +40,21 @@ struct PageState {
     time: f32,
 }
 
-/// What there is to be shown, as JSON: scenes; effects, each with the methods that can run in a browser and
-/// those that cannot.
+/// What there is to be shown, as JSON: scenes; effects, each with the methods that can run in a browser,
+/// those that cannot, and whether fog changes it.
 #[wasm_bindgen]
 pub fn choices() -> String {
     let effect = |effect: &Effect| {
         let can = |name: &&str| *name == LEARNED || methods::screen_names(*effect).contains(name);
         let all = methods::names_of(*effect).into_iter().filter(|name| *name != TRUTH);
         let (can, cannot): (Vec<_>, Vec<_>) = all.partition(can);
-        json!({ "name": effect.name(), "unit": effect.unit(), "methods": can, "processor": cannot })
+        json!({
+            "name": effect.name(),
+            "unit": effect.unit(),
+            "methods": can,
+            "processor": cannot,
+            "fog": effect.listens_to(EffectSetting::Medium),
+        })
     };
     let scene = |family: &Family| json!({ "name": family.name(), "about": family.about() });
     let effects: Vec<_> = Effect::ALL.iter().map(effect).collect();

@@ -1,5 +1,6 @@
 //! What the page shows: a scene with an effect's methods, pass by pass, and its truth.
 
+use crate::complete::Additions;
 use crate::exposure_time;
 use crate::learned::Learned;
 use crate::live::animated_view::{self, AnimatedView, ViewRequest};
@@ -7,7 +8,7 @@ use crate::live::{Live, LiveSettings};
 use crate::methods::{self, LEARNED};
 use crate::radius;
 use crate::report::images::ExposedTruth;
-use crate::{complete, props, views};
+use crate::{props, views};
 use anyhow::{Context, Result, ensure};
 use deepshade_infer::Model;
 use deepshade_render::bvh::TracedScene;
@@ -19,6 +20,7 @@ use deepshade_render::scene::{Camera, Glow, SceneSource};
 use deepshade_shaders::effect::EffectSetting;
 use deepshade_shaders::gpu::Gpu;
 use deepshade_shaders::{Attribute, Effect, Planes};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -41,6 +43,9 @@ pub struct PageRequest {
     pub methods: Vec<String>,
     /// Rows and columns.
     pub size: [usize; 2],
+    /// Extinction of fog all over the scene, per metre; without it none, or what the effect needs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fog: Option<f64>,
 }
 
 /// A scene on the GPU with its methods.
@@ -76,7 +81,10 @@ impl PageRequest {
             size: self.size,
             props: &props::Args::default(),
             viewpoint: &views::Viewpoint::sampled(self.view),
-            additions: &complete::Additions::default(),
+            additions: &Additions {
+                extinction: self.fog.map(|fog| Vec3::splat(fog as f32)),
+                ..Additions::default()
+            },
             seed: SEED,
             learned: None,
         })

@@ -17,16 +17,29 @@ use deepshade_shaders::{Effect, Planes};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What the page begins with, and what is recorded: an effect, two of its methods, a scene and a view of it.
-/// Networks are shown on families that they were not trained on.
-const RECORDED: [(Effect, [&str; 2], Family, u64, usize); 6] = [
-    (Effect::Ao, ["hbao", LEARNED], Family::Playground, 3, 2),
-    (Effect::Do, ["ssdo", LEARNED], Family::Drapery, 2, 2),
-    (Effect::Gi, ["ssgi", "lpv"], Family::StillLife, 1, 2),
-    (Effect::Dof, ["ring-gather", LEARNED], Family::Drapery, 2, 2),
-    (Effect::Sss, ["separable", LEARNED], Family::Drapery, 2, 1),
-    (Effect::FogDirect, ["gpu-march", "froxel"], Family::Colonnade, 5, 1),
+/// What the page begins with, and what is recorded. Networks are shown on families that they were not trained
+/// on.
+const RECORDED: [Recorded; 7] = [
+    Recorded::new(Effect::Ao, &["hbao", LEARNED], Family::Playground, 3, 2),
+    Recorded::new(Effect::Do, &["ssdo", LEARNED], Family::Drapery, 2, 2),
+    Recorded::new(Effect::Gi, &["ssgi", "lpv"], Family::StillLife, 1, 2),
+    Recorded::new(Effect::Dof, &["ring-gather", LEARNED], Family::Drapery, 2, 2),
+    Recorded::new(Effect::Sss, &["separable", LEARNED], Family::Drapery, 2, 1),
+    Recorded::new(Effect::FogDirect, &["gpu-march", "froxel"], Family::Colonnade, 5, 1),
+    Recorded { fog: Some(0.1), ..Recorded::new(Effect::Path, &["composed"], Family::Colonnade, 1, 3) },
 ];
+
+/// A comparison that is recorded: an effect by two methods, or by one beside truth.
+#[derive(Clone, Copy)]
+struct Recorded {
+    effect: Effect,
+    methods: &'static [&'static str],
+    family: Family,
+    seed: u64,
+    view: usize,
+    /// Extinction, per metre.
+    fog: Option<f64>,
+}
 
 /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
 #[derive(clap::Args)]
@@ -59,16 +72,11 @@ pub struct Args {
 /// If there is no device, a network cannot be read, or a file not be written.
 pub fn run(args: &Args) -> Result<()> {
     let gpu = Gpu::new()?;
-    let wanted = RECORDED.iter().filter(|(effect, ..)| args.only.is_none_or(|only| only == *effect));
+    let wanted = RECORDED.iter().filter(|one| args.only.is_none_or(|only| only == one.effect));
     let mut recorded = Vec::new();
-    for (effect, methods, family, seed, view) in wanted {
-        let wish = PageRequest {
-            scene: SceneSource::Procedural(*family, *seed),
-            view: *view,
-            effect: *effect,
-            methods: methods.map(str::to_owned).to_vec(),
-            size: [args.size; 2],
-        };
+    for one in wanted {
+        let Recorded { effect, methods, .. } = one;
+        let wish = one.request(args.size);
         note!("{effect} of {}: {}", wish.scene, methods.join(", "));
         recorded.push(record(args, &gpu, &wish).with_context(|| format!("{effect} of {}", wish.scene))?);
     }
@@ -76,6 +84,30 @@ pub fn run(args: &Args) -> Result<()> {
     let list = serde_json::to_string_pretty(&list)?;
     write_atomically(&args.out.join("recorded.json"), list.as_bytes())?;
     say!("{} comparisons in {}", recorded.len(), args.out.display())
+}
+
+impl Recorded {
+    const fn new(
+        effect: Effect,
+        methods: &'static [&'static str],
+        family: Family,
+        seed: u64,
+        view: usize,
+    ) -> Self {
+        Self { effect, methods, family, seed, view, fog: None }
+    }
+
+    /// What the page is asked for, of a square image.
+    fn request(&self, size: usize) -> PageRequest {
+        PageRequest {
+            scene: SceneSource::Procedural(self.family, self.seed),
+            view: self.view,
+            effect: self.effect,
+            methods: self.methods.iter().map(|name| (*name).to_owned()).collect(),
+            size: [size; 2],
+            fog: self.fog,
+        }
+    }
 }
 
 fn record(args: &Args, gpu: &Gpu, wish: &PageRequest) -> Result<Value> {
@@ -138,6 +170,7 @@ mod tests {
     use super::*;
     use deepshade::shared::methods::screen_names;
     use deepshade_render::scene::procedural::Split;
+    use deepshade_shaders::effect::EffectSetting;
 
     fn models() -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
@@ -145,10 +178,11 @@ mod tests {
 
     #[test]
     fn what_is_recorded_is_there_and_networks_are_shown_on_families_of_tests() {
-        for (effect, methods, family, ..) in RECORDED {
+        for Recorded { effect, methods, family, fog, .. } in RECORDED {
+            assert!(fog.is_none() || effect.listens_to(EffectSetting::Medium), "fog is nothing to {effect}");
             let screen = screen_names(effect);
             for name in methods {
-                assert!(name == LEARNED || screen.contains(&name), "{effect} has no {name}");
+                assert!(*name == LEARNED || screen.contains(name), "{effect} has no {name}");
             }
             let model = models().join(effect.name());
             let learned = methods.contains(&LEARNED);

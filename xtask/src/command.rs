@@ -50,6 +50,18 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Copies a file or a folder with all in it, into a folder that is made where it is missing.
+///
+/// # Errors
+/// If something cannot be read or written.
+pub fn copy(from: &Path, to: &Path) -> Result<()> {
+    if let Some(folder) = to.parent() {
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
+    let [from, to] = [from, to].map(|path| path.display().to_string());
+    run(&mut command("cp", &["-a", &from, &to]))
+}
+
 /// Whether a command can be started and ends with code 0; what it prints is dropped.
 pub fn succeeds(command: &mut Command) -> bool {
     command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())

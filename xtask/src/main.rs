@@ -14,7 +14,6 @@ mod figures;
 mod fuzz;
 mod hosts;
 mod models;
-mod package;
 mod program;
 mod prove;
 mod python;
@@ -79,10 +78,8 @@ enum Verb {
     /// Reads changed files of every kind that others may have written, by libFuzzer, which needs a C++
     /// compiler. Given again it goes on.
     Fuzz(fuzz::Args),
-    /// Makes the Debian package with cargo-deb.
-    Package(package::Args),
     /// Makes all that people install into one folder with checksums: an archive, the packages for Debian, pip
-    /// and npm, Blender's add-on, and the list of components.
+    /// and npm, Blender's add-on, and the list of components. With --try it tries what has the program.
     Release(release::Args),
     /// Makes small data of every recipe, and every method's image of every effect on two scenes, and holds
     /// the hashes of all files against those that --write noted, on the same machine.
@@ -133,7 +130,6 @@ fn run(verb: Verb) -> Result<()> {
         Verb::Deny(args) => deny::run(&args),
         Verb::Targets => targets::run(),
         Verb::Fuzz(args) => fuzz::run(&args),
-        Verb::Package(args) => package::run(&args),
         Verb::Release(args) => release::run(&args),
         Verb::Unchanged(args) => unchanged::run(&args),
         Verb::Web(args) => web::run(args),

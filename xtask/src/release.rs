@@ -1,10 +1,13 @@
 //! `cargo xtask release`: all that people install, in one folder with checksums.
 
+mod clean_root;
+mod container;
 mod steps;
+mod tried;
 
 use crate::command::{self, cargo, command, root, succeeds, target};
+use crate::figures;
 use crate::web::toolchain::has_target;
-use crate::{figures, package};
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Map, json};
 use std::fs;
@@ -12,6 +15,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 use steps::{STEPS, Step};
+
+/// Builds the program that can do everything that needs nothing more of the system.
+const BUILD: [&str; 5] = ["build", "--release", "--locked", FEATURES[0], FEATURES[1]];
+/// Its features, as cargo is told them.
+const FEATURES: [&str; 2] = ["--features", "store"];
 
 /// What is made, and of what.
 #[derive(clap::Args)]
@@ -24,7 +32,13 @@ pub struct Args {
     /// The folder; by default release-VERSION below the target folder.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Writes the figures here as JSON: the size of each file, and how long it took to make it.
+    /// Installs archive, Debian package and wheel, what `cargo install` makes, and what the container file
+    /// says, each in a clean root of its own (debootstrap, as root), and runs the program there. The npm
+    /// package and the add-on are tried by `cargo xtask hosts`.
+    #[arg(long = "try", conflicts_with = "triple")]
+    tried: bool,
+    /// Writes the figures here as JSON: the size of each file, how long it took to make it, and with --try
+    /// how long to install it.
     #[arg(long)]
     json: Option<PathBuf>,
 }
@@ -63,6 +77,9 @@ pub fn run(args: &Args) -> Result<()> {
     let missing = TOOLS.iter().filter(|(asks, _)| !succeeds(&mut command(asks[0], &asks[1..])));
     let missing: Vec<&str> = missing.map(|(_, install)| *install).collect();
     ensure!(missing.is_empty(), "tools are missing; install them with\n    {}", missing.join("\n    "));
+    if args.tried {
+        clean_root::clean()?;
+    }
     let (version, host) = (version()?, host()?);
     let triple = args.triple.clone().unwrap_or_else(|| host.clone());
     let is_native = triple == host;
@@ -78,10 +95,15 @@ pub fn run(args: &Args) -> Result<()> {
         made.push(release.make(step)?);
     }
     release.checksums()?;
-    let figures: Vec<(String, f64)> = made.iter().flat_map(Made::figures).collect();
+    let mut figures: Vec<(String, f64)> = made.iter().flat_map(Made::figures).collect();
     let files: Map<_, _> = made.iter().map(|one| (one.name.to_owned(), json!(one.file))).collect();
     let details = json!({ "version": release.version, "target": release.triple, "files": files });
-    figures::write(args.json.as_deref(), "release", &figures, details)
+    figures::write(args.json.as_deref(), "release", &figures, details.clone())?;
+    if args.tried {
+        figures.extend(tried::try_all(&release.out, &made)?);
+        figures::write(args.json.as_deref(), "release", &figures, details)?;
+    }
+    Ok(())
 }
 
 impl Made {
@@ -103,8 +125,8 @@ impl Release {
     /// Builds the program as packages have it.
     fn build(&self) -> Result<Made> {
         let begin = Instant::now();
-        let words = [&package::BUILD[..], &["--target", &self.triple]].concat();
-        command::run(&mut cargo(if self.is_native { &package::BUILD[..] } else { &words }))?;
+        let words = [&BUILD[..], &["--target", &self.triple]].concat();
+        command::run(&mut cargo(if self.is_native { &BUILD[..] } else { &words }))?;
         Made::since(begin, "program", &self.program())
     }
 
@@ -121,7 +143,7 @@ impl Release {
         step(self, &stage).with_context(|| name.to_owned())?;
         let files = files(&stage)?;
         let [file] = &files[..] else { bail!("{name}: not one file but {}", files.join(", ")) };
-        package::copy(&stage.join(file), &self.out.join(file))?;
+        command::copy(&stage.join(file), &self.out.join(file))?;
         let made = Made::since(begin, name, &self.out.join(file))?;
         fs::remove_dir_all(&stage).with_context(|| stage.display().to_string())?;
         Ok(made)

@@ -63,6 +63,8 @@ class Live {
     part("scene").value = scene;
     part("seed").value = seed;
     part("view").value = given.get("view") ?? (given.has("scene") ? 0 : (wish?.view ?? 0));
+    part("foggy").hidden = !effect.fog;
+    part("fog").value = given.get("fog") ?? (given.has("scene") ? "" : (wish?.fog ?? ""));
     const names = [...effect.methods, TRUTH].map((name) => [name, name]);
     choices(part("left"), names, given.get("left") ?? wish?.methods[0] ?? effect.methods[0]);
     choices(part("right"), names, given.get("right") ?? wish?.methods[1] ?? effect.methods[1] ?? TRUTH);
@@ -71,7 +73,8 @@ class Live {
 
   listen() {
     part("effect").onchange = () => this.chooseEffect();
-    for (const id of ["scene", "seed", "view", "left", "right", "size"]) part(id).onchange = () => (this.wanted = true);
+    const chosen = ["scene", "seed", "view", "left", "right", "size", "fog"];
+    for (const id of chosen) part(id).onchange = () => (this.wanted = true);
     const canvas = part("canvas");
     const pointers = new Map();
     canvas.onpointerdown = (event) => {
@@ -180,7 +183,8 @@ class Live {
     // Lets the browser show that.
     await new Promise((resolve) => setTimeout(resolve, 30));
     const view = Number(part("view").value) || 0;
-    const wish = { scene, view, effect: effect.name, methods, size: [size, size] };
+    const fog = effect.fog && Number(part("fog").value) > 0 ? Number(part("fog").value) : undefined;
+    const wish = { scene, view, effect: effect.name, methods, size: [size, size], fog };
     const [spec, weights] = methods.includes("learned") ? await this.model(effect.name) : [];
     this.told = JSON.parse(await this.page.show(JSON.stringify(wish), spec, weights));
     say("");

@@ -2,7 +2,6 @@
 
 use super::{Release, empty, file_name};
 use crate::command::{self, cargo, command, root, target};
-use crate::package;
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,9 +36,9 @@ impl Release {
         let name = format!("deepshade-{}-{}", self.version, self.triple);
         let stage = target().join("release-stage");
         let folder = empty(&stage.join(&name))?;
-        package::copy(&self.program(), &folder.join("bin/deepshade"))?;
+        command::copy(&self.program(), &folder.join("bin/deepshade"))?;
         for (from, to) in ARCHIVED {
-            package::copy(&root().join(from), &folder.join(to).join(file_name(Path::new(from))?))?;
+            command::copy(&root().join(from), &folder.join(to).join(file_name(Path::new(from))?))?;
         }
         let archive = out.join(format!("{name}.tar.gz")).display().to_string();
         let stage = stage.display().to_string();
@@ -76,7 +75,7 @@ impl Release {
     fn addon(&self, out: &Path) -> Result<()> {
         let addon = root().join("blender/deepshade_addon.py");
         // Its name is that of a Python module.
-        package::copy(&addon, &out.join("deepshade_addon.py"))
+        command::copy(&addon, &out.join("deepshade_addon.py"))
     }
 
     /// The list of components in CycloneDX's form, of the program's features.
@@ -86,7 +85,7 @@ impl Release {
         let words = [&["cyclonedx", "--format", "json", "--override-filename", &name][..], &features];
         let written = command::run(&mut cargo(&words.concat()));
         let file = format!("{name}.json");
-        let copied = written.and_then(|()| package::copy(&root().join(&file), &out.join(&file)));
+        let copied = written.and_then(|()| command::copy(&root().join(&file), &out.join(&file)));
         // It writes one beside each manifest.
         for folder in members()? {
             let beside = folder.join(&file);

@@ -2,7 +2,7 @@
 
 use super::remove;
 use crate::command::{self, cargo, root, target};
-use crate::{figures, package};
+use crate::figures;
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ pub fn make(into: &Path) -> Result<()> {
     words.extend(packages.iter().map(String::as_str));
     // The documentation of the tests has private items and stays where it is. What both need built is shared.
     command::run(cargo(&words).env("CARGO_BUILD_BUILD_DIR", target()))?;
-    package::copy(&fresh.join("doc/."), into)?;
+    command::copy(&fresh.join("doc/."), into)?;
     figures::write_text(&into.join("index.html"), &page()?)?;
     remove(&fresh)
 }

@@ -2,7 +2,7 @@
 
 use super::remove;
 use crate::command::{root, target};
-use crate::{book, figures, package, web};
+use crate::{book, command, figures, web};
 use anyhow::{Context, Result};
 use std::fmt::Write;
 use std::fs;
@@ -45,7 +45,7 @@ fn copy(from: &Path, into: &Path) -> Result<Vec<String>> {
     for entry in fs::read_dir(from).with_context(|| from.display().to_string())? {
         let entry = entry?;
         if entry.file_type()?.is_file() {
-            package::copy(&entry.path(), &into.join(entry.file_name()))?;
+            command::copy(&entry.path(), &into.join(entry.file_name()))?;
             names.push(entry.file_name().to_string_lossy().into_owned());
         }
     }

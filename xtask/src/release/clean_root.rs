@@ -11,24 +11,33 @@ const MIRROR: &str = "http://deb.debian.org/debian";
 /// A root folder, deleted with this.
 pub struct Root(PathBuf);
 
+/// The root that others are copies of, made by debootstrap where it is missing.
+///
+/// # Errors
+/// If debootstrap is not there or fails, or this is not run as root.
+pub fn clean() -> Result<PathBuf> {
+    let clean = target().join("clean-root");
+    if !clean.join("complete").exists() {
+        if !succeeds(&mut command("debootstrap", &["--version"])) {
+            apt::install(&["debootstrap"], "debootstrap, which makes clean roots,")?;
+        }
+        let folder = clean.display().to_string();
+        command::run(&mut command("debootstrap", &["--variant=minbase", RELEASE, &folder, MIRROR]))
+            .context("a clean root, which is made as root")?;
+        std::fs::write(clean.join("complete"), "")?;
+    }
+    Ok(clean)
+}
+
 impl Root {
-    /// A copy of the one that debootstrap made first.
+    /// A copy of the clean one.
     ///
     /// # Errors
-    /// If debootstrap is not there or fails, or this is not run as root.
+    /// As [`clean`].
     pub fn new(name: &str) -> Result<Self> {
-        let clean = target().join("clean-root");
-        if !clean.join("complete").exists() {
-            if !succeeds(&mut command("debootstrap", &["--version"])) {
-                apt::install(&["debootstrap"], "debootstrap, which makes clean roots,")?;
-            }
-            let folder = clean.display().to_string();
-            command::run(&mut command("debootstrap", &["--variant=minbase", RELEASE, &folder, MIRROR]))
-                .context("a clean root, which is made as root")?;
-            std::fs::write(clean.join("complete"), "")?;
-        }
+        let clean = clean()?;
         let root = Self(target().join(format!("root-{name}-{}", std::process::id())));
-        super::copy(&clean, &root.0)?;
+        command::copy(&clean, &root.0)?;
         // Names are resolved as they are here.
         if Path::new("/etc/resolv.conf").exists() {
             std::fs::copy("/etc/resolv.conf", root.path("etc/resolv.conf")).context("/etc/resolv.conf")?;
@@ -46,7 +55,7 @@ impl Root {
     /// # Errors
     /// If it cannot be read or written.
     pub fn put(&self, from: &Path, to: &str) -> Result<()> {
-        super::copy(from, &self.path(to))
+        command::copy(from, &self.path(to))
     }
 
     /// Runs a line there, in a shell, with processes and mounts of its own.
