@@ -64,7 +64,7 @@ class Live {
     part("seed").value = seed;
     part("view").value = given.get("view") ?? (given.has("scene") ? 0 : (wish?.view ?? 0));
     part("foggy").hidden = !effect.fog;
-    part("fog").value = given.get("fog") ?? (given.has("scene") ? "" : (wish?.fog ?? ""));
+    part("fog").value = given.get("fog") ?? "";
     const names = [...effect.methods, TRUTH].map((name) => [name, name]);
     choices(part("left"), names, given.get("left") ?? wish?.methods[0] ?? effect.methods[0]);
     choices(part("right"), names, given.get("right") ?? wish?.methods[1] ?? effect.methods[1] ?? TRUTH);

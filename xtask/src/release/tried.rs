@@ -17,7 +17,7 @@ const TRIALS: [&str; 2] = [
 ];
 /// Where networks are installed beside the program: one that is not in it.
 const TRIAL_OF_NETWORKS: &str = "cd /tmp && XDG_RUNTIME_DIR=/tmp deepshade compare --scene stairs:7 \
-     --effect ao --model ao-paper --methods learned --width 64 --height 64 --samples 16 --out report-of-networks";
+     --effect ao --model ao-paper --methods learned --width 64 --height 64 --samples 16 --out of-networks";
 /// Installs what programs need of the system, where no package says so.
 const LIBRARIES: &str = "apt-get update --quiet && \
     apt-get install --yes --quiet --no-install-recommends libvulkan1 mesa-vulkan-drivers";
