@@ -272,6 +272,11 @@ impl Live {
         Ok(times)
     }
 
+    /// Whether the milliseconds of a frame are told some frames later.
+    pub const fn tells_later(&self) -> bool {
+        self.clock.is_some()
+    }
+
     /// Where the image is that a method makes of each frame, `[channels, height, width]`.
     #[cfg(target_arch = "wasm32")]
     pub fn output(&self, method: usize) -> &wgpu::Buffer {

@@ -168,6 +168,20 @@ fn every_package_follows_the_one_table_of_lints() {
     }
 }
 
+/// As `cargo publish` would make them, but for compiling what was packaged.
+#[test]
+fn library_crates_can_be_packaged() {
+    let libraries = ["shaders", "glow", "render", "infer", "dataset"].map(|name| format!("deepshade-{name}"));
+    let made = Command::new(env!("CARGO"))
+        .args(["package", "--locked", "--no-verify", "--allow-dirty"])
+        .args(libraries.iter().flat_map(|name| ["--package", name]))
+        .args(["--target-dir", concat!(env!("CARGO_TARGET_TMPDIR"), "/packages")])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo starts");
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+}
+
 #[test]
 fn no_file_is_longer_than_one_can_read() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -63,7 +63,16 @@ pub const READERS: [Reader; 13] = [
     },
     Reader {
         name: "curves",
-        files: &["decay.csv", "spectrum.csv", "filters.csv", "camera.csv", "excitation.csv", "light.csv"],
+        files: &[
+            "decay.csv",
+            "spectrum.csv",
+            "filters.csv",
+            "camera.csv",
+            "excitation.csv",
+            "light.csv",
+            "checker.csv",
+            "checker-light.csv",
+        ],
         accepts: curves,
     },
     Reader { name: "materials", files: &["materials.toml"], accepts: materials },

@@ -29,6 +29,11 @@ impl Curves {
         if first > Axis::EIGHT.from || last < Axis::EIGHT.end() {
             return Err(table.says(format!("has {first} to {last} nm, curves must cover 400 to 700 nm")));
         }
+        if let Some(name) = table.names().iter().find(|name| crate::table::holds_names(name)) {
+            return Err(
+                table.says(format!("has a curve called {name}, which is for names: call it otherwise"))
+            );
+        }
         let names = table.names().iter().filter(|name| *name != "wavelength_nm");
         let values = names.map(|name| table.not_negative(name)).collect::<Result<Vec<_>, _>>()?;
         if values.is_empty() {
@@ -93,7 +98,7 @@ impl Curves {
     }
 
     /// A curve's value at a wavelength, that of the nearer end outside.
-    fn at(&self, values: &[f64], wavelength: f64) -> f64 {
+    pub(crate) fn at(&self, values: &[f64], wavelength: f64) -> f64 {
         let above = self.wavelengths.partition_point(|at| *at < wavelength);
         if above == 0 || above == values.len() {
             return values[above.min(values.len() - 1)];
@@ -131,5 +136,7 @@ mod tests {
         assert!(fault("wavelength_nm,red,green,blue\n450,1,1,1\n700,1,1,1\n").contains("must cover"));
         assert!(fault("wavelength_nm,red,green\n400,1,1\n700,1,1\n").contains("blue"));
         assert!(fault("wavelength_nm,red,green,blue\n400,1,1,1\n700,1,-1,1\n").contains(":3: green"));
+        let named = fault("wavelength_nm,red,green,blue,patch\n400,1,1,1,a\n700,1,1,1,b\n");
+        assert!(named.contains("patch, which is for names"), "{named}");
     }
 }

@@ -6,6 +6,7 @@
 //! Intervals are those of the same problem without bounds, cut at them, since an unknown that its bound holds
 //! has no slope to tell them from.
 
+pub mod checker;
 mod files;
 mod interval;
 mod measurement;

@@ -7,14 +7,21 @@ use std::path::{Path, PathBuf};
 pub struct Table {
     path: PathBuf,
     names: Vec<String>,
-    /// A row's line in the file, and one number a name; 0 in the column of files.
+    /// A row's line in the file, and one number a name; 0 in columns of text.
     rows: Vec<(usize, Vec<f64>)>,
-    /// What is in the column of files, where there is one.
-    files: Vec<String>,
+    /// What is in each of the columns of text, where there is one.
+    texts: [Vec<String>; TEXTS.len()],
 }
 
-/// The one column whose cells are names of files.
+/// The columns whose cells are names, and what one is: of files, and of patches of a colour chart.
+const TEXTS: [(&str, &str); 2] = [(FILE, "a file"), (PATCH, "the name of a patch")];
 const FILE: &str = "file";
+const PATCH: &str = "patch";
+
+/// Whether the cells of a column are names, and no numbers.
+pub fn holds_names(column: &str) -> bool {
+    TEXTS.iter().any(|(name, _)| *name == column)
+}
 
 /// Why a table cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -69,7 +76,7 @@ impl Table {
         let reader = reader.trim(csv::Trim::All).comment(Some(b'#')).flexible(true);
         let mut reader = reader.from_reader(text.as_bytes());
         let names: Vec<String> = reader.headers().map_err(fails)?.iter().map(Into::into).collect();
-        let mut table = Self { path: path.into(), names, rows: Vec::new(), files: Vec::new() };
+        let mut table = Self { path: path.into(), names, rows: Vec::new(), texts: Default::default() };
         if let Some(name) = table.names.iter().find(|name| name.contains([';', '\t'])) {
             let fault = format!(
                 "has {name:?} in its first line: columns are separated by commas, not by semicolons or tabs, and decimals by a point"
@@ -88,8 +95,10 @@ impl Table {
                 table.says("has more rows than lines: one ends in a carriage return alone".into())
             })?;
             let row = table.row(line, &record)?;
-            let file = table.index(FILE).and_then(|column| record.get(column));
-            table.files.extend(file.map(str::to_owned));
+            for (index, (name, _)) in TEXTS.into_iter().enumerate() {
+                let text = table.index(name).and_then(|column| record.get(column));
+                table.texts[index].extend(text.map(str::to_owned));
+            }
             table.rows.push((line, row));
         }
         if table.rows.is_empty() { Err(table.says("has no row of numbers".into())) } else { Ok(table) }
@@ -120,7 +129,17 @@ impl Table {
 
     /// The column of names of files, if there is one.
     pub fn files(&self) -> Option<&[String]> {
-        self.index(FILE).map(|_| &self.files[..])
+        self.text(FILE)
+    }
+
+    /// The column of names of patches, if there is one.
+    pub fn patches(&self) -> Option<&[String]> {
+        self.text(PATCH)
+    }
+
+    fn text(&self, name: &str) -> Option<&[String]> {
+        let index = TEXTS.iter().position(|(text, _)| *text == name)?;
+        self.index(name).map(|_| &self.texts[index][..])
     }
 
     /// A column.
@@ -175,6 +194,14 @@ impl Table {
         TableError::Whole { path: self.path.clone(), fault }
     }
 
+    /// A fault of one of its rows, from 0 on.
+    pub fn says_of_row(&self, row: usize, fault: String) -> TableError {
+        match self.rows.get(row) {
+            Some((line, _)) => self.says_of(*line, fault),
+            None => self.says(fault),
+        }
+    }
+
     fn says_of(&self, line: usize, fault: String) -> TableError {
         TableError::Row { path: self.path.clone(), line, fault }
     }
@@ -209,10 +236,10 @@ impl Table {
             return Err(self.says_of(line, format!("{cells} cells, the first line has {columns}")));
         }
         let number = |(text, column): (&str, &String)| {
-            let is_file = column == FILE;
-            let wanted = if is_file { "a file" } else { "a finite number" };
+            let named = TEXTS.iter().find(|(name, _)| name == column);
+            let wanted = named.map_or("a finite number", |(_, wanted)| wanted);
             let fails = || self.says_of(line, format!("{column} is {text:?}, not {wanted}"));
-            if is_file {
+            if named.is_some() {
                 return if text.is_empty() { Err(fails()) } else { Ok(0.0) };
             }
             text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(fails)

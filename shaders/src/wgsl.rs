@@ -191,13 +191,38 @@ pub(crate) mod tests {
         assert!(said.contains(&format!("shaders/wgsl/shared/surface_valid.wgsl:{line}\n")), "{said}");
     }
 
-    #[test]
-    fn every_file_is_part_of_something() {
+    /// Shaders that all files are part of.
+    fn sources() -> Vec<String> {
         let attributes = attributes::attributes_source(&[crate::Attribute::Depth]);
         let sources: Vec<String> = all().map(Shader::source).chain([attributes]).collect();
         let nets = [convolution::tests::sources(), head::tests::sources()];
         let frames = [net_input::tests::sources(), net_image::tests::sources()];
-        let sources = [sources, nets.concat(), frames.concat()].concat();
+        [sources, nets.concat(), frames.concat()].concat()
+    }
+
+    /// The first variable that is declared within a loop or a branch, and that a browser may leave as it was
+    /// the last time: Chromium's compiler (Tint) sets one without a value to zero once, not each time.
+    fn kept_variable(source: &str) -> Option<&str> {
+        let is_within = |line: &&str| line.starts_with("        ") && line.trim_start().starts_with("var ");
+        let code = source.lines().map(|line| line.split("//").next().unwrap_or_default());
+        code.filter(is_within).find(|line| line.trim_end().ends_with(';') && !line.contains('='))
+    }
+
+    #[test]
+    fn variables_within_loops_begin_with_a_value() {
+        for source in sources() {
+            let files: Vec<_> = source_line::files(&source).collect();
+            assert_eq!(kept_variable(&source), None, "{files:?}");
+        }
+        let within = |line: &str| format!("    for (;;) {{\n        {line}\n    }}");
+        assert!(kept_variable(&within("var sums: array<u32, 2>; // = 0")).is_some());
+        assert!(kept_variable(&within("var sums = array<u32, 2>();")).is_none());
+        assert!(kept_variable("    var sums: array<u32, 2>;").is_none(), "it is there once");
+    }
+
+    #[test]
+    fn every_file_is_part_of_something() {
+        let sources = sources();
         assert!(sources.iter().all(|source| !source.lines().any(|line| line.trim_start().starts_with('#'))));
         let parts: std::collections::BTreeSet<&str> =
             sources.iter().flat_map(|source| source_line::files(source)).collect();

@@ -15,9 +15,7 @@ pub fn light(effect: Effect, scene: &Scene) -> Option<String> {
         LitBy::Environment => listed([lamps, emits])
             .map(|others| format!("{effect} has the light of the environment alone: {others} are left out")),
         LitBy::AllInTruth => listed([emits, sky]).map(|others| {
-            format!(
-                "methods of {effect} see the light of lamps alone: that of {others} is in its truth alone"
-            )
+            format!("most methods of {effect} see the light of lamps alone: that of {others} is in its truth")
         }),
         LitBy::Lamps => listed([emits, sky])
             .map(|others| format!("{effect} has the light of lamps alone: {others} light nothing in it")),

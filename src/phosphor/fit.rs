@@ -11,6 +11,7 @@ use crate::figures::{Figures, write_atomically};
 use crate::table;
 use anyhow::{Context, Result};
 use deepshade_glow::file::MaterialFile;
+use deepshade_phosphor::fit::checker::Checker;
 use deepshade_phosphor::fit::{Fit, Measurement, MeasurementKind, ParameterEstimate};
 use deepshade_render::exr_file;
 use deepshade_shaders::Planes;
@@ -22,7 +23,7 @@ use std::path::{Path, PathBuf};
 ///
 /// A fit that may not mean what it says is warned of, here and in the report: where far more is left than
 /// noise, or little of the decay is explained (R^2) where noise is not stated, or photographs cannot tell a
-/// state. A decay that grows is refused.
+/// state, or much is left of a colour chart. A decay that grows is refused.
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLE)]
 pub struct Args {
@@ -75,6 +76,18 @@ const EXAMPLE: &str = "The folder of measurements. Columns are separated by comm
   mask.png          bright where photographs show the material; as large as they are
   calibration.csv   file, exposure_s, iso, f_number: photographs of one thing in steady light, some under each setting. Needed where
                     photographs of the tables have several ISO or f-numbers
+  checker.csv       what the camera saw of a colour chart, a row a patch, at least 6. With it all colours become linear sRGB by a
+                    matrix (least squares), and 1 is a white diffuser in the light on the chart. Not beside spectrum.csv:
+                      patch              its name on the classic chart: dark skin, light skin, blue sky, foliage, blue flower,
+                                         bluish green, orange, purplish blue, moderate red, purple, yellow green, orange yellow,
+                                         blue, green, red, yellow, magenta, cyan, white, neutral 8, neutral 6.5, neutral 5,
+                                         neutral 3.5, black
+                      red, green, blue   the mean of its pixels, linear; also exposure_s, and iso and f_number, or gain, as above
+                      file, left, top, width, height   in place of colours and gain: a photograph and the patch's rectangle, in pixels
+                      known_red, known_green, known_blue (linear sRGB), or lab_l, lab_a, lab_b (CIE L*a*b*, D50)   of any other chart,
+                                         whose patches may have any name
+                      filter             of the classic chart: the column of filters.csv that it was seen through, 0 for none
+  checker-light.csv wavelength_nm and power of the light on the classic chart; daylight (D65) where it is missing
 
 A decay as colours, and one as photographs with their calibration:
 
@@ -84,6 +97,12 @@ A decay as colours, and one as photographs with their calibration:
   10.1,1,0.293,0.214,0.110                  0003.png,10.1,1,400
 
 `simulate` writes such a folder.
+
+A colour chart as colours (the first rows), and as a photograph:
+
+  patch,exposure_s,red,green,blue           patch,file,exposure_s,left,top,width,height
+  dark skin,0.01,0.041,0.030,0.013          dark skin,chart.png,0.01,212,180,90,90
+  light skin,0.01,0.152,0.118,0.062         light skin,chart.png,0.01,352,180,90,90
 
 Examples:
   deepshade phosphor fit measured --states 2 --out paint.toml --plot paint.svg --report paint.html
@@ -109,6 +128,12 @@ pub fn run(args: &Args) -> Result<()> {
     figures.set("residual_over_noise", fit.residual_over_noise());
     figures.set("r_squared", fit.explained());
     figures.set("states", f64::from(args.states));
+    if let Some(checker) = &measurement.checker {
+        figures.set("checker_rms", checker.rms);
+        figures.set("checker_patches", checker.patches as f64);
+        figures.detail("checker_matrix", json!(checker.matrix));
+        figures.detail("checker_worst_patch", json!(checker.worst.0));
+    }
     figures.detail("material", json!(fit.material));
     figures.detail("estimates", fit.estimates.iter().map(estimate_detail).collect());
     let unmeasured = fit.unmeasured.iter().map(|band| json!(band + 1));
@@ -129,7 +154,19 @@ pub fn run(args: &Args) -> Result<()> {
         note!("warning: {warning}");
     }
     say!("{}", table::aligned(&rows::table(&fit)))?;
+    if let Some(checker) = &measurement.checker {
+        say!("{}", of_chart(checker))?;
+    }
     say!("{}", how_well(&fit))
+}
+
+/// What a colour chart made of the camera's colours.
+fn of_chart(checker: &Checker) -> String {
+    let Checker { patches, rms, worst: (patch, left), .. } = checker;
+    format!(
+        "linear sRGB by {patches} patches of checker.csv: {rms:.4} is left (RMS of a channel, white being 1), \
+        most of `{patch}` ({left:.4}, all channels)"
+    )
 }
 
 /// The picture of an EXR file, `[3, height, width]`.

@@ -133,6 +133,7 @@ impl Page {
         let told = json!({
             "methods": shown_scene.names,
             "passes": shown_scene.live.passes(),
+            "tells_later": shown_scene.live.tells_later(),
             "added": shown_scene.animated_view.added,
             "radius": shown_scene.radius,
             "triangles": animated.scene.triangle_count(),

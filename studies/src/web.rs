@@ -19,23 +19,26 @@ use std::path::{Path, PathBuf};
 
 /// What the page begins with, and what is recorded. Networks are shown on families that they were not trained
 /// on.
-const RECORDED: [Recorded; 6] = [
-    Recorded::new(Effect::Ao, ["hbao", LEARNED], Family::Playground, 3, 2),
-    Recorded::new(Effect::Do, ["ssdo", LEARNED], Family::Drapery, 2, 2),
-    Recorded::new(Effect::Gi, ["ssgi", "lpv"], Family::StillLife, 1, 2),
-    Recorded::new(Effect::Dof, ["ring-gather", LEARNED], Family::Drapery, 2, 2),
-    Recorded::new(Effect::Sss, ["separable", LEARNED], Family::Drapery, 2, 1),
-    Recorded::new(Effect::FogDirect, ["gpu-march", "froxel"], Family::Colonnade, 5, 1),
+const RECORDED: [Recorded; 7] = [
+    Recorded::new(Effect::Ao, &["hbao", LEARNED], Family::Playground, 3, 2),
+    Recorded::new(Effect::Do, &["ssdo", LEARNED], Family::Drapery, 2, 2),
+    Recorded::new(Effect::Gi, &["ssgi", "lpv"], Family::StillLife, 1, 2),
+    Recorded::new(Effect::Dof, &["ring-gather", LEARNED], Family::Drapery, 2, 2),
+    Recorded::new(Effect::Sss, &["separable", LEARNED], Family::Drapery, 2, 1),
+    Recorded::new(Effect::FogDirect, &["gpu-march", "froxel"], Family::Colonnade, 5, 1),
+    Recorded { fog: Some(0.1), ..Recorded::new(Effect::Path, &["composed"], Family::Colonnade, 1, 3) },
 ];
 
-/// A comparison that is recorded: an effect by two methods.
+/// A comparison that is recorded: an effect by two methods, or by one beside truth.
 #[derive(Clone, Copy)]
 struct Recorded {
     effect: Effect,
-    methods: [&'static str; 2],
+    methods: &'static [&'static str],
     family: Family,
     seed: u64,
     view: usize,
+    /// Extinction, per metre.
+    fog: Option<f64>,
 }
 
 /// Records what the web page shows where a browser has no WebGPU; `cargo xtask web` calls this.
@@ -84,8 +87,14 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 impl Recorded {
-    const fn new(effect: Effect, methods: [&'static str; 2], family: Family, seed: u64, view: usize) -> Self {
-        Self { effect, methods, family, seed, view }
+    const fn new(
+        effect: Effect,
+        methods: &'static [&'static str],
+        family: Family,
+        seed: u64,
+        view: usize,
+    ) -> Self {
+        Self { effect, methods, family, seed, view, fog: None }
     }
 
     /// What the page is asked for, of a square image.
@@ -94,9 +103,9 @@ impl Recorded {
             scene: SceneSource::Procedural(self.family, self.seed),
             view: self.view,
             effect: self.effect,
-            methods: self.methods.map(str::to_owned).to_vec(),
+            methods: self.methods.iter().map(|name| (*name).to_owned()).collect(),
             size: [size; 2],
-            fog: None,
+            fog: self.fog,
         }
     }
 }
@@ -110,7 +119,8 @@ fn record(args: &Args, gpu: &Gpu, wish: &PageRequest) -> Result<Value> {
     let camera = shown_scene.animated_view.camera;
     let mut times = None;
     // What is compiled in the first frame is no part of a frame, and a clock tells of frames before.
-    for _ in 0..8 {
+    let frames = if shown_scene.live.tells_later() { 8 } else { 2 };
+    for _ in 0..frames {
         times = gpu::wait(shown_scene.make(0.0, &camera))??.or(times);
     }
     let passes = shown_scene.live.passes();
@@ -161,6 +171,7 @@ mod tests {
     use super::*;
     use deepshade::shared::methods::screen_names;
     use deepshade_render::scene::procedural::Split;
+    use deepshade_shaders::effect::EffectSetting;
 
     fn models() -> PathBuf {
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
@@ -168,10 +179,11 @@ mod tests {
 
     #[test]
     fn what_is_recorded_is_there_and_networks_are_shown_on_families_of_tests() {
-        for Recorded { effect, methods, family, .. } in RECORDED {
+        for Recorded { effect, methods, family, fog, .. } in RECORDED {
+            assert!(fog.is_none() || effect.listens_to(EffectSetting::Medium), "fog is nothing to {effect}");
             let screen = screen_names(effect);
             for name in methods {
-                assert!(name == LEARNED || screen.contains(&name), "{effect} has no {name}");
+                assert!(*name == LEARNED || screen.contains(name), "{effect} has no {name}");
             }
             let model = models().join(effect.name());
             let learned = methods.contains(&LEARNED);

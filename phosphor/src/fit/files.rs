@@ -9,8 +9,10 @@
 //! taken for a hundredth of the brightest value, that of photographs in files for what their pixels scatter,
 //! which leaves out what all pixels share; then nobody can say how well a fit explains it. `spectrum.csv` has
 //! the same columns and `filter` (from 1 on), a column of `filters.csv`. `camera.csv` has the sensor and
-//! `light.csv` the lamp, as curves.
+//! `light.csv` the lamp, as curves. `checker.csv` has what the camera saw of a colour chart
+//! ([`checker`](super::checker)).
 
+use super::checker::{CHECKER, Checker, CheckerError};
 use super::measurement::{Charged, Exposure, Filtered, Measurement, Shot};
 use super::photographs::{ExrReader, Photographs, PhotographsError};
 use super::simulated::{Laboratory, of_length_one};
@@ -33,12 +35,16 @@ pub enum FilesError {
     /// One of its photographs is.
     #[error("the measurement cannot be used")]
     Photographs(#[from] PhotographsError),
+    /// Its colour chart is.
+    #[error("the measurement cannot be used")]
+    Checker(#[from] CheckerError),
 }
 
 impl Measurement {
     /// The measurements of a folder: `decay.csv`, and what else there is of the files. With `spectrum.csv`
     /// the material is described in eight bands, else in the camera's RGB, whose excitation is by a lamp of
-    /// one band after the other all the same. Without `light.csv` the lamp is a halogen lamp.
+    /// one band after the other all the same; in linear sRGB where there is `checker.csv`, which is refused
+    /// beside `spectrum.csv`. Without `light.csv` the lamp is a halogen lamp.
     ///
     /// # Errors
     /// If a file cannot be read or says what makes no sense, with its line.
@@ -47,8 +53,15 @@ impl Measurement {
         let bands = if spectral { Bands::Eight } else { Bands::Rgb };
         let filters =
             if spectral { Curves::read(&folder.join("filters.csv"))?.bands(Axis::EIGHT) } else { vec![] };
-        let mut source =
-            MeasurementFolder { photographs: Photographs::new(folder, exr)?, noise_is_known: true };
+        let mut photographs = Photographs::new(folder, exr)?;
+        if spectral && folder.join(CHECKER).exists() {
+            let table = Table::read(&folder.join(CHECKER))?;
+            let fault = "is for materials in the camera's colours; where there is spectrum.csv, camera.csv \
+                says what the camera sees: take one of them away";
+            return Err(table.says(fault.to_owned()).into());
+        }
+        let checker = Checker::read(folder, &mut photographs)?;
+        let mut source = MeasurementFolder { photographs, checker, noise_is_known: true };
         let decay = source.shots(&Table::read(&folder.join("decay.csv"))?, true, &[])?;
         Ok(Self {
             bands,
@@ -59,6 +72,7 @@ impl Measurement {
             decay,
             excitation: excitation(folder, bands, &mut source)?,
             noise_is_known: source.noise_is_known,
+            checker: source.checker,
         })
     }
 }
@@ -144,14 +158,22 @@ fn check_columns(table: &Table, own: &[&str]) -> Result<(), TableError> {
 /// What is known of a folder while its tables are read.
 struct MeasurementFolder {
     photographs: Photographs,
+    checker: Option<Checker>,
     /// Of all tables so far.
     noise_is_known: bool,
 }
 
 impl MeasurementFolder {
     /// The photographs of a table, whose times ascend if they are of one decay; `own` are the other columns
-    /// of a table of its kind.
+    /// of a table of its kind. Where there is a colour chart they are in linear sRGB.
     fn shots(&mut self, table: &Table, ascending: bool, own: &[&str]) -> Result<Vec<Shot>, FilesError> {
+        let seen = self.seen(table, ascending, own)?;
+        let Some(checker) = &self.checker else { return Ok(seen) };
+        Ok(seen.iter().map(|shot| checker.shot(shot)).collect())
+    }
+
+    /// The same in the camera's colours.
+    fn seen(&mut self, table: &Table, ascending: bool, own: &[&str]) -> Result<Vec<Shot>, FilesError> {
         check_columns(table, own)?;
         let delays = if ascending { table.ascending("time_s")? } else { table.not_negative("time_s")? };
         let seconds = table.positive_or("exposure_s", 1.0)?;
@@ -190,7 +212,7 @@ fn of_colours(table: &Table, delays: &[f64], seconds: &[f64]) -> Result<Vec<Shot
 
 /// What a radiance of 1 gives a pixel: the column `gain` where it was measured, else what the camera's
 /// settings say.
-fn gains(table: &Table, seconds: &[f64]) -> Result<Vec<f64>, TableError> {
+pub(super) fn gains(table: &Table, seconds: &[f64]) -> Result<Vec<f64>, TableError> {
     if table.names().iter().any(|name| name == GAIN) {
         return table.positive_or(GAIN, 1.0);
     }

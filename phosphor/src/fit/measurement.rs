@@ -1,6 +1,7 @@
 //! What is measured of a material: photographs of its light, in the dark and after light.
 
 use super::FitError;
+use super::checker::Checker;
 use deepshade_glow::spectrum::Bands;
 
 /// A step of a photograph with 16 bits.
@@ -81,6 +82,8 @@ pub struct Measurement {
     pub excitation: Vec<Charged>,
     /// Whether the noise of all photographs is known, not taken for something.
     pub noise_is_known: bool,
+    /// What made linear sRGB of the camera's colours, where there was a colour chart.
+    pub checker: Option<Checker>,
 }
 
 impl Shot {

@@ -22,6 +22,8 @@ const CALIBRATION: &str = "calibration.csv";
 const PATCH: usize = 8;
 /// A channel at this share of what a file of 16 bits holds is full.
 const FULL: f64 = 0.999;
+/// What is wrong then.
+const LOST: &str = "a pixel is full: what it would have had is lost; expose less";
 /// Settings are the same within this part.
 const SAME: f64 = 1e-6;
 /// By how much of it photographs of one setting may disagree on what it does: shutters keep their times, and
@@ -109,18 +111,56 @@ impl Photographs {
         [seconds, iso, f_number]: [f64; 3],
     ) -> Result<Shot, PhotographsError> {
         let photograph = Photograph::read(&self.folder.join(file), self.exr)?;
+        let exposure = self.exposure(&photograph.path, [seconds, iso, f_number])?;
+        let seen = self.seen(&photograph)?;
+        Shot::of_pixels(delay, exposure, &photograph.pixels, &seen)
+            .map_err(|what| PhotographsError::Sense { path: photograph.path, what })
+    }
+
+    /// How a photograph was exposed.
+    fn exposure(
+        &mut self,
+        path: &Path,
+        [seconds, iso, f_number]: [f64; 3],
+    ) -> Result<Exposure, PhotographsError> {
         let mut exposure = Exposure::of_camera(seconds, iso, f_number);
         if self.settings.is_empty() {
             self.settings.push(([iso, f_number], 1.0));
         }
         let Some((_, factor)) = self.settings.iter().find(|of| same(of.0, [iso, f_number])) else {
-            let what = self.unknown([iso, f_number]);
-            return Err(PhotographsError::Sense { path: photograph.path, what });
+            return Err(PhotographsError::Sense { path: path.into(), what: self.unknown([iso, f_number]) });
         };
         exposure.gain *= factor;
-        let seen = self.seen(&photograph)?;
-        Shot::of_pixels(delay, exposure, &photograph.pixels, &seen)
-            .map_err(|what| PhotographsError::Sense { path: photograph.path, what })
+        Ok(exposure)
+    }
+
+    /// The mean radiance of rectangles of photographs, each with seconds, ISO and f-number, and left, top,
+    /// width and height in pixels. The mask does not count: it is of the material. Without a calibration
+    /// their settings must be the same, but not those of other photographs, beside which only the unit of
+    /// brightness would be off.
+    ///
+    /// # Errors
+    /// As of [`Self::shot`], and if a rectangle is not in its photograph, or not finite there.
+    pub(super) fn areas(
+        &mut self,
+        areas: &[(&str, [f64; 3], [usize; 4])],
+    ) -> Result<Vec<[f64; 3]>, PhotographsError> {
+        // A chart is one photograph as a rule.
+        let mut last: Option<(&str, Photograph)> = None;
+        let mut means = Vec::with_capacity(areas.len());
+        for (file, settings, rectangle) in areas {
+            let photograph = match last.take() {
+                Some((name, photograph)) if name == *file => photograph,
+                _ => Photograph::read(&self.folder.join(file), self.exr)?,
+            };
+            let Exposure { gain, .. } = self.exposure(&photograph.path, *settings)?;
+            means.push(photograph.mean(*rectangle)?.map(|value| value / gain));
+            last = Some((*file, photograph));
+        }
+        if !self.is_calibrated {
+            self.settings.clear();
+        }
+        Ok(means)
     }
 
     /// What is wrong with a photograph whose settings are not among those that are known.
@@ -153,10 +193,9 @@ impl Photographs {
                 return Err(fails(format!("{width}x{height} pixels, {other}")));
             }
         };
-        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        let full = |(pixel, seen): (&[f64; 3], &bool)| *seen && pixel.iter().any(|value| *value >= FULL);
-        if is_png && pixels.iter().zip(&seen).any(full) {
-            return Err(fails("a pixel is full: what it would have had is lost".to_owned()));
+        let full = photograph.full();
+        if pixels.iter().zip(&seen).any(|(pixel, seen)| *seen && is_full(pixel, full)) {
+            return Err(fails(LOST.to_owned()));
         }
         Ok(seen)
     }
@@ -228,6 +267,10 @@ fn is_widened(image: &DynamicImage) -> bool {
     telling.any(|value| Some(value) != first) && [256, 257].into_iter().any(are_multiples)
 }
 
+fn is_full(pixel: &[f64; 3], full: Option<f64>) -> bool {
+    full.is_some_and(|full| pixel.iter().any(|value| *value >= full))
+}
+
 fn same(a: [f64; 2], b: [f64; 2]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * b.abs())
 }
@@ -266,6 +309,39 @@ impl Photograph {
         let image = image.to_rgb32f();
         let pixels = image.pixels().map(|pixel| pixel.0.map(f64::from)).collect();
         Self { path: path.into(), height: image.height() as usize, width: image.width() as usize, pixels }
+    }
+
+    /// From where on a value of it is full; EXR files hold whatever there is.
+    fn full(&self) -> Option<f64> {
+        let is_png = self.path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+        is_png.then_some(FULL)
+    }
+
+    /// The mean pixel of a rectangle: left, top, width and height.
+    fn mean(&self, [left, top, width, height]: [usize; 4]) -> Result<[f64; 3], PhotographsError> {
+        let fails = |what: String| PhotographsError::Sense { path: self.path.clone(), what };
+        let ends = |from: usize, size: usize, of: usize| from.checked_add(size).filter(|end| *end <= of);
+        let (Some(right), Some(bottom)) = (ends(left, width, self.width), ends(top, height, self.height))
+        else {
+            let rectangle = format!("{width}x{height} pixels from ({left}, {top}) on");
+            return Err(fails(format!(
+                "has {}x{} pixels, not {rectangle}: correct left, top, width or height",
+                self.width, self.height
+            )));
+        };
+        let (mut sum, full) = ([0.0; 3], self.full());
+        for pixel in (top..bottom).flat_map(|y| &self.pixels[y * self.width..][left..right]) {
+            if is_full(pixel, full) {
+                return Err(fails(LOST.to_owned()));
+            }
+            sum = [0, 1, 2].map(|channel: usize| sum[channel] + pixel[channel]);
+        }
+        let mean = sum.map(|sum| sum / (width * height) as f64);
+        // A sum of what is not finite is not finite.
+        if mean.iter().all(|value| value.is_finite()) {
+            return Ok(mean);
+        }
+        Err(fails(format!("a pixel of {width}x{height} from ({left}, {top}) on is not finite")))
     }
 
     /// The mean of each channel in each patch whose pixels all count.

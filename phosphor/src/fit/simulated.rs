@@ -87,6 +87,7 @@ impl Laboratory {
             spectrum: Vec::new(),
             excitation: Vec::new(),
             noise_is_known: true,
+            checker: None,
         };
         let full = vec![1.0; material.states.len()];
         let open_to = vec![1.0; axis.count];

@@ -2,6 +2,8 @@
 
 use super::interval::Parameter;
 use super::{Fit, Measurement, Shot, State};
+use crate::fit::checker::Checker;
+use deepshade_glow::spectrum::Bands;
 
 /// What may be left of a measurement, over its noise: all but the noise is 1, and errors that people state
 /// are right within some times.
@@ -14,10 +16,34 @@ const WIDE: f64 = 100.0;
 const LOOSE: f64 = 2.0;
 /// A state that sends no more than this share of the light at the start sends none.
 const DARK: f64 = 1e-9;
+/// What a matrix may leave of a chart in the root mean square, where white is 1. The nominal camera leaves
+/// 0.006, and noise and uneven light some more; nearly all swaps of two patches leave more than this.
+const MOST_OF_CHART: f64 = 0.03;
+/// A channel of the decay is below 0 by more than this share of the brightest one where the colour is one
+/// that screens lack, and not by noise.
+const OUTSIDE: f64 = 0.02;
 
 /// A reason to doubt a fit. States are counted from 1 on.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Warning {
+    /// Much of a colour chart is left.
+    #[error(
+        "{rms:.3} is left of the colours of checker.csv (RMS, white being 1), above {MOST_OF_CHART}, most of \
+        `{patch}`: are patches in their places, values linear, is the light even and as stated, and is \
+        nothing full?"
+    )]
+    Chart {
+        /// The root mean square.
+        rms: f64,
+        /// The patch of which most is left.
+        patch: String,
+    },
+    /// A colour that screens lack.
+    #[error(
+        "{0} of the decay is negative in linear sRGB: screens lack so pure a colour, and the material has \
+        the nearest that the fit finds"
+    )]
+    Outside(&'static str),
     /// More is left than noise.
     #[error(
         "residual over noise is {0:.1}, above {MOST_LEFT}: the material does not explain what was measured. \
@@ -52,9 +78,32 @@ pub fn warnings(fit: &Fit, measurement: &Measurement) -> Vec<Warning> {
     } else {
         (explained < LEAST_EXPLAINED).then_some(Warning::Explained(explained))
     };
+    let chart = measurement.checker.as_ref().and_then(of_chart);
+    let outside = outside(measurement);
     let told = told(&measurement.decay);
     let of_state = |index: usize| about(fit, index, told).map(|warning| warning(index + 1));
-    whole.into_iter().chain((0..fit.material.states.len()).filter_map(of_state)).collect()
+    whole
+        .into_iter()
+        .chain(chart)
+        .chain(outside)
+        .chain((0..fit.material.states.len()).filter_map(of_state))
+        .collect()
+}
+
+/// What there is to doubt of a colour chart.
+fn of_chart(checker: &Checker) -> Option<Warning> {
+    let Checker { rms, worst: (patch, _), .. } = checker;
+    (*rms > MOST_OF_CHART || rms.is_nan()).then(|| Warning::Chart { rms: *rms, patch: patch.clone() })
+}
+
+/// The first channel of a decay in linear sRGB that is negative.
+fn outside(measurement: &Measurement) -> Option<Warning> {
+    let made = measurement.checker.is_some() && measurement.bands == Bands::Rgb;
+    let sum = |channel: usize| measurement.decay.iter().map(|shot| shot.radiance()[channel]).sum::<f64>();
+    let sums = [0, 1, 2].map(sum);
+    let brightest = sums.into_iter().fold(0.0, f64::max);
+    let negative = (0..3).find(|channel| sums[*channel] < -OUTSIDE * brightest);
+    negative.filter(|_| made).map(|channel| Warning::Outside(["red", "green", "blue"][channel]))
 }
 
 /// What there is to doubt of a state.

@@ -33,12 +33,12 @@ pub enum SurfelLight {
 }
 
 impl SurfelLight {
-    /// What of a surface's reflectance its surfels know that send such light: through a medium surfaces send
-    /// all that they reflect, as truth of fog has it.
+    /// What of a surface's reflectance its surfels know that send such light, as truth has it: through a
+    /// medium all, and so of the sky, whose light is found by rays from surfels that are not lit.
     pub fn reflectance(lit: Option<Self>) -> Reflectance {
         match lit {
-            Some(Self::Dimmed { .. } | Self::DimmedAndEmitted | Self::Emitted) => Reflectance::All,
-            None | Some(Self::Reflected | Self::Received | Self::Kept) => Reflectance::Diffuse,
+            None | Some(Self::Dimmed { .. } | Self::DimmedAndEmitted | Self::Emitted) => Reflectance::All,
+            Some(Self::Reflected | Self::Received | Self::Kept) => Reflectance::Diffuse,
         }
     }
 }

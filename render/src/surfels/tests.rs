@@ -1,10 +1,10 @@
 //! Surfels stand for the surface: their areas, sizes and places, and the passes against the plain version.
 
 use super::reference::{self, Disk, roulette};
-use super::{Cloud, HEIGHT, LEAF, MOST, Surfel, SurfelDensity, Tree, cloud};
+use super::{Cloud, HEIGHT, LEAF, MOST, Surfel, SurfelDensity, SurfelLight, Tree, cloud};
 use crate::methods::proving;
 use crate::raster::World;
-use crate::raster::patches::{Patch, Reflectance, area_of, of_scene};
+use crate::raster::patches::{Patch, area_of, of_scene};
 use crate::raster::view::perspective;
 use crate::scene::procedural::Family;
 use crate::scene::{Material, Mesh, Scene};
@@ -165,7 +165,7 @@ fn made(gpu: &Gpu, scene: &Scene, parameters: &SurfelDensity, view: &View) -> Ma
     let mut surfels: Vec<Surfel> = gpu::read(device, queue, &cloud.surfels).expect("surfels");
     surfels.truncate(count[0] as usize);
     Made {
-        patches: world.patches(Reflectance::Diffuse).to_vec(),
+        patches: world.patches(SurfelLight::reflectance(None)).to_vec(),
         amounts: gpu::read(device, queue, &cloud.amounts).expect("amounts"),
         starts: gpu::read(device, queue, &cloud.starts).expect("starts"),
         count,
@@ -183,7 +183,7 @@ fn the_passes_make_what_the_plain_version_does() {
         let mut view = view(0.1 * scene.bounds().diagonal());
         view.camera.position = scene.bounds().centre();
         let made = made(&gpu, &scene, &PARAMETERS, &view);
-        assert_eq!(made.patches, of_scene(&scene, Reflectance::Diffuse));
+        assert_eq!(made.patches, of_scene(&scene, SurfelLight::reflectance(None)));
         let settings = PARAMETERS.settings(&view);
         let vertices = reference::vertices(scene.meshes.iter(), &view.camera);
         let amounts = reference::amounts(&made.patches, &vertices, &settings);

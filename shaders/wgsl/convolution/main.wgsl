@@ -139,7 +139,7 @@ fn main(
     let bias = bias_sum(output);
     var sums = Sums(bias, bias, bias, bias, bias, bias, bias, bias);
     for (var i = 0u; i < count; i++) {
-        var inputs: Inputs;
+        var inputs = Inputs();
         inputs.skip = i >= coarse_count;
         inputs.block = select(
             reads[output].first + i, reads[output].skip_first + i - coarse_count, inputs.skip,

@@ -7,7 +7,7 @@ const address = new URLSearchParams(location.search);
 const SAMPLES = Number(address.get("samples") ?? 256);
 /** Milliseconds that hands rest before truth begins. */
 const REST = 400;
-/** Frames that are made after hands have let go: clocks of graphics cards tell of frames before. */
+/** Frames that are made after hands have let go where the clock of a graphics card tells of frames before. */
 const AFTER = 12;
 
 export async function begin() {
@@ -64,7 +64,7 @@ class Live {
     part("seed").value = seed;
     part("view").value = given.get("view") ?? (given.has("scene") ? 0 : (wish?.view ?? 0));
     part("foggy").hidden = !effect.fog;
-    part("fog").value = given.get("fog") ?? "";
+    part("fog").value = given.get("fog") ?? (given.has("scene") ? "" : (wish?.fog ?? ""));
     const names = [...effect.methods, TRUTH].map((name) => [name, name]);
     choices(part("left"), names, given.get("left") ?? wish?.methods[0] ?? effect.methods[0]);
     choices(part("right"), names, given.get("right") ?? wish?.methods[1] ?? effect.methods[1] ?? TRUTH);
@@ -101,7 +101,12 @@ class Live {
       event.preventDefault();
       this.hands.nearer *= Math.exp(0.001 * event.deltaY);
     };
-    document.addEventListener("visibilitychange", () => (this.frames = AFTER));
+    document.addEventListener("visibilitychange", () => (this.frames = this.after));
+  }
+
+  /** Frames that are made after hands have let go, until their milliseconds are known. */
+  get after() {
+    return this.told?.tells_later ? AFTER : 1;
   }
 
   /** Sides that are seen, and the methods that make them. */
@@ -140,7 +145,7 @@ class Live {
     if (playing) this.time += Math.min(0.1, (now - (this.last ?? now)) / 1000);
     this.last = now;
     if (moved || playing) {
-      this.frames = AFTER;
+      this.frames = this.after;
       this.forgetTruth();
       this.rested = now + REST;
     }
@@ -191,7 +196,8 @@ class Live {
     part("wiped").classList.remove("waits");
     part("moving").hidden = !this.told.goes_on;
     if (!this.told.goes_on) part("playing").checked = false;
-    Object.assign(this, { time: 0, frames: AFTER, times: undefined, scores: {}, rested: performance.now() });
+    const rested = performance.now();
+    Object.assign(this, { time: 0, frames: this.after, times: undefined, scores: {}, rested });
     for (const side of ["left", "right"]) part(`${side}-name`).textContent = part(side).value;
     const left = effect.processor.length ? [`Methods that run on the processor alone, and not in this page: ${effect.processor.join(", ")}.`] : [];
     facts([

@@ -35,11 +35,12 @@ export async function begin(reason) {
     const one = recorded();
     const names = Object.keys(one.files).map((name) => [name, name]);
     choices(part("left"), names, one.wish.methods[0]);
-    choices(part("right"), names, one.wish.methods[1]);
+    choices(part("right"), names, one.wish.methods[1] ?? TRUTH);
     passes(one.passes, one.milliseconds);
     part("truth").textContent = one.samples ? `Truth: path traced with ${one.samples} samples a pixel.` : "";
     facts([
       ["scene", `${one.wish.scene}, view ${one.wish.view}`],
+      ...(one.wish.fog ? [["fog", `extinction ${one.wish.fog} per metre`]] : []),
       ["pixels", one.wish.size.join(" × ")],
       ["computed on", `${list.device}, ${list.machine.processor ?? ""}`],
       ["picture", one.exposure],

@@ -26,7 +26,7 @@ pub const SKY_LIGHT: DiskEffect<BouncedZParameters> = DiskEffect {
 fn plain(plain: &Plain<'_, BouncedZParameters>, disks: &[Disk]) -> Result<Planes, MissingAttribute> {
     let (sky, view, effect) = (Sky::new(plain.environment), plain.view, SKY_LIGHT.effect);
     let bounces = plain.parameters.bounces(effect, view);
-    let patches = patches::of_scene(plain.scene.scene(), Reflectance::Diffuse);
+    let patches = patches::of_scene(plain.scene.scene(), Reflectance::All);
     let radiance = |direction: Vec3| sky.blocked.radiance(view.camera.rotation * direction);
     let reflected = |met: Option<&Disk>, ray: &PixelRay| {
         let light = |disk| light_of_path(&bounces, (disks, &patches), &radiance, ray, disk);

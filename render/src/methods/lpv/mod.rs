@@ -20,8 +20,8 @@
 //!
 //! Light that surfaces emit, and in a medium that which they and it kept and give back, goes through a volume
 //! of its own until surfels reflect it or the medium scatters it, which is then handed on as that of the
-//! lamps is; where nothing shines by itself there is no such volume. Without a medium there may be a
-//! finer grid around the camera ([`crate::lpv::cascade`]).
+//! lamps is; where nothing shines by itself there is no such volume. Without a medium there may be finer
+//! grids around the camera ([`crate::lpv::cascade`]).
 //!
 //! The sky shines into a medium through the cells along the grid's border ([`crate::lpv::sky`]), beside what
 //! shines by itself, and goes on doing so: light of all its directions crosses in a cell.
@@ -61,6 +61,7 @@ mod tests;
 mod volume_buffers;
 
 use super::Quality;
+use crate::lpv::lobe::Lobes;
 use crate::lpv::{LightGrid, Scheme};
 use crate::scene::Bounds;
 use crate::screen::{About, MethodStep, PlainInputs, Resources, Technique, View, Written};
@@ -75,9 +76,10 @@ pub struct LpvParameters {
     /// Cells along the longest edge of the scene's box.
     #[schemars(range(min = 4, max = 128))]
     pub cells: usize,
-    /// Grids of so many cells: one around the scene, and in it, if it is 2, a finer one of half the edges
-    /// around the camera. In a medium, and in `composed`, there is one, whatever this says.
-    #[schemars(range(min = 1, max = 2))]
+    /// Grids of so many cells: one around the scene, and in it finer ones around the camera, each with half
+    /// the edges of the one before. In a medium, and in `composed`, there is one, whatever this says; with
+    /// squared lobes there are at most two ([`crate::lpv::cascade`]).
+    #[schemars(range(min = 1, max = MOST_CASCADES))]
     pub cascades: usize,
     /// How often light is handed on.
     #[schemars(range(min = 1, max = 512))]
@@ -91,6 +93,9 @@ pub struct LpvParameters {
     /// How light is handed on and looked up.
     pub scheme: Scheme,
 }
+
+/// Most grids: the finest one's cells are then a 32nd of the coarsest one's.
+const MOST_CASCADES: usize = 6;
 
 impl LpvParameters {
     /// More time is more cells, and iterations for light to cross them once and a half: from then on what is
@@ -109,7 +114,12 @@ impl LpvParameters {
     fn grids(&self, filled: Filled, bounds: Bounds, camera: Vec3) -> Vec<LightGrid> {
         let coarsest = LightGrid::around(bounds, self.cells);
         let finer = |grid: &LightGrid| Some(grid.nested(camera));
-        let count = if filled.has_medium() { 1 } else { self.cascades.clamp(1, 2) };
+        let most = match (filled.has_medium(), self.scheme.lobes) {
+            (true, _) => 1,
+            (false, Lobes::Squared) => 2,
+            (false, Lobes::TwoBands) => MOST_CASCADES,
+        };
+        let count = self.cascades.clamp(1, most);
         std::iter::successors(Some(coarsest), finer).take(count).collect()
     }
 

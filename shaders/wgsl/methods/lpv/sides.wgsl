@@ -107,7 +107,7 @@ fn begin(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = cell_at(id.x);
     for (var c = 0u; c < 3u; c++) {
-        var begun: array<vec4f, KINDS>;
+        var begun = array<vec4f, KINDS>();
         var halfway = vec4f(0.0);
         for (var around = 0u; around < 27u; around++) {
             // Light of the cells beside it goes aside into it, and its own to its middle.

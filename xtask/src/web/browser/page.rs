@@ -45,6 +45,17 @@ impl Browser {
         Ok(())
     }
 
+    /// Chooses something of a list, as hands do.
+    ///
+    /// # Errors
+    /// If there is no such list.
+    pub async fn choose(&self, id: &str, value: &str) -> Result<()> {
+        let list =
+            format!("const list = document.getElementById('{id}'); list.value = '{value}'; list.onchange()");
+        self.driver.execute(list, Vec::new()).await?;
+        Ok(())
+    }
+
     /// A figure of the table, such as `hbao.ms`.
     ///
     /// # Errors

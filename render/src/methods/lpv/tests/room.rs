@@ -2,6 +2,7 @@
 
 use super::super::lit_volume::{LitVolume, LitVolumes};
 use super::*;
+use crate::methods::Quality;
 use crate::methods::proving::view;
 use crate::path::{self, Sampling, Shot};
 use crate::scene::glow::Start;
@@ -197,6 +198,28 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
     }
 }
 
+/// Of linear lobes, on a wall at which all of them end; of squared ones the second is too bright there already,
+/// and there is no third.
+#[test]
+fn any_number_of_grids_of_linear_lobes_is_as_bright_as_one_that_is_as_fine() {
+    let camera = Camera::look_at(Vec3::new(-0.9, 0.1, 0.3), Vec3::new(-1.0, 0.1, 0.2));
+    let view = View { camera, radius: 50.0, ..view(12, 16, 1.0) };
+    let scene = TracedScene::new(room(false)).expect("triangles");
+    let lights = |scheme, cells, cascades| -> Vec<f32> {
+        let parameters = LpvParameters { cells, cascades, iterations: 2 * cells, scheme, ..FEW };
+        let volumes = LitVolumes::new(&scene, parameters, &view, Filled::Clear, 50.0);
+        let on_wall = |volume: &LitVolume| volume.irradiance(Vec3::new(-1.0, 0.1, 0.22), Vec3::X).x;
+        volumes.0.iter().map(on_wall).collect()
+    };
+    // The second of the nested grids has cells of a tenth of a metre, as this one.
+    let [linear, squared] = [Scheme::PAPER, Scheme::OURS].map(|scheme| lights(scheme, 22, 1)[0]);
+    let nested = lights(Scheme::PAPER, 12, 4);
+    let ratios: Vec<f32> = nested.iter().map(|light| light / linear).collect();
+    assert!(ratios.len() == 4 && ratios[1..3].iter().all(|ratio| (ratio - 1.0).abs() < 0.12), "{ratios:?}");
+    let nested = lights(Scheme::OURS, 12, 4);
+    assert!(nested.len() == 2 && nested[1] > 1.2 * squared, "{nested:?} {squared}");
+}
+
 /// In a medium they would be too bright.
 #[test]
 fn in_a_medium_there_is_one_grid() {
@@ -247,6 +270,22 @@ fn fog_in_a_room_is_about_as_bright_as_truth_has_it_whichever_way_it_scatters() 
     assert!(ratios.iter().all(|[_, multiple]| (0.7..1.3).contains(multiple)), "{ratios:?}");
     let [less, even, more] = ratios.map(|[indirect, _]| indirect);
     assert!((less / even - 1.0).abs() < 0.15 && (more / even - 1.0).abs() < 0.15, "{ratios:?}");
+}
+
+/// Whatever its walls reflect: of light that was scattered once to a twentieth, of all other to a tenth.
+#[test]
+fn fog_in_a_closed_room_is_as_bright_as_truth_has_it() {
+    let parameters = LpvParameters::of(Quality::Low);
+    for albedo in [0.2, 0.5, 0.8] {
+        let mut scene = shining(false, Some(fog()));
+        scene.materials[0].base_colour = Vec3::splat(albedo).extend(1.0);
+        let indirect = over_truth(&InMedium::indirect(parameters), Effect::FogIndirect, scene.clone(), 1024);
+        let multiple = over_truth(&InMedium::multiple(parameters), Effect::FogMultiple, scene, 1024);
+        assert!(
+            (indirect - 1.0).abs() < 0.05 && (multiple - 1.0).abs() < 0.1,
+            "{albedo}: {indirect} {multiple}"
+        );
+    }
 }
 
 #[test]
