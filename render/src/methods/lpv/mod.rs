@@ -78,7 +78,7 @@ pub struct LpvParameters {
     pub cells: usize,
     /// Grids of so many cells: one around the scene, and in it finer ones around the camera, each with half
     /// the edges of the one before. In a medium, and in `composed`, there is one, whatever this says; with
-    /// squared lobes there are at most two ([`crate::lpv::cascade`]).
+    /// squared lobes there are at most two.
     #[schemars(range(min = 1, max = MOST_CASCADES))]
     pub cascades: usize,
     /// How often light is handed on.
