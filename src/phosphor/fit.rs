@@ -164,8 +164,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn of_chart(checker: &Checker) -> String {
     let Checker { patches, rms, worst: (patch, left), .. } = checker;
     format!(
-        "linear sRGB by {patches} patches of checker.csv: {rms:.4} is left (RMS of a channel, white being 1), \
-        most of `{patch}` ({left:.4}, all channels)"
+        "linear sRGB by {patches} patches of checker.csv: {rms:.4} is left (RMS of a channel, white being \
+        1), most of `{patch}` ({left:.4}, all channels)"
     )
 }
 

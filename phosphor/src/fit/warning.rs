@@ -3,7 +3,6 @@
 use super::interval::Parameter;
 use super::{Fit, Measurement, Shot, State};
 use crate::fit::checker::Checker;
-use deepshade_glow::spectrum::Bands;
 
 /// What may be left of a measurement, over its noise: all but the noise is 1, and errors that people state
 /// are right within some times.
@@ -98,12 +97,13 @@ fn of_chart(checker: &Checker) -> Option<Warning> {
 
 /// The first channel of a decay in linear sRGB that is negative.
 fn outside(measurement: &Measurement) -> Option<Warning> {
-    let made = measurement.checker.is_some() && measurement.bands == Bands::Rgb;
     let sum = |channel: usize| measurement.decay.iter().map(|shot| shot.radiance()[channel]).sum::<f64>();
     let sums = [0, 1, 2].map(sum);
     let brightest = sums.into_iter().fold(0.0, f64::max);
     let negative = (0..3).find(|channel| sums[*channel] < -OUTSIDE * brightest);
-    negative.filter(|_| made).map(|channel| Warning::Outside(["red", "green", "blue"][channel]))
+    negative
+        .filter(|_| measurement.checker.is_some())
+        .map(|channel| Warning::Outside(["red", "green", "blue"][channel]))
 }
 
 /// What there is to doubt of a state.

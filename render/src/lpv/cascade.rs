@@ -7,12 +7,12 @@
 //! border takes what arrives. Nothing has to be handed back: light that leaves the finer grid is in the
 //! coarser one, as is what comes back of it.
 //!
-//! That is exact where lobes are linear, as two bands are: then any number of grids shows what one as fine
-//! would. Squared lobes are not linear. Light that sets out from all of the border at once meets in the middle,
-//! becomes one lobe without a direction there, and stays too long: in a closed room fluence is up to half too
-//! high, and a third grid inherits that. So of squared lobes there are two grids, and none in a medium, which
-//! shows fluence. Beside the border, and so on the walls of a scene that the grid ends at, the coarser one
-//! lights alone.
+//! That holds where lobes are linear, as two bands are: then any number of grids shows what one as fine
+//! would, on a wall to an eighth. Squared lobes are not linear. Light that sets out from all of the border at once
+//! meets in the middle, becomes one lobe without a direction there, and stays too long. In a closed room
+//! fluence is up to half too high, and a third grid inherits that. So of squared lobes there are two grids.
+//! A medium shows fluence, and has none. Beside the border, and so on the walls of a scene that the grid ends
+//! at, the coarser one lights alone.
 
 use super::propagation::Light;
 use super::{Flight, LightGrid, Scheme, Volume};

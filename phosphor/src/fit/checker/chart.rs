@@ -232,7 +232,8 @@ pub fn stated(name: &str) -> Option<[f64; 3]> {
 }
 
 /// The same under a light and through a filter, curves over wavelength, from the patch's reflectance. The
-/// unit is the luminance of a white diffuser in that light without the filter. Without a light it is daylight.
+/// unit is the luminance of a white diffuser in that light without the filter. Without a light it is
+/// daylight.
 ///
 /// Patches of newer charts have slightly other reflectances, which nobody published.
 pub fn seen_in(name: &str, light: Option<&Curves>, filter: Option<(&Curves, usize)>) -> Option<[f64; 3]> {

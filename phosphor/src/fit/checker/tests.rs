@@ -42,8 +42,8 @@ fn a_known_matrix_is_found_again() {
     assert!(off(&transposed) > 0.1, "the control");
 }
 
-/// Of noise on known values the errors of a matrix have the variance of the closed form, `sigma^2 (A^T A)^-1`,
-/// and what is left is the noise, whatever was used up.
+/// Of noise on known values the errors of a matrix have the variance of the closed form,
+/// `sigma^2 (A^T A)^-1`, and what is left is the noise, whatever was used up.
 #[test]
 fn noise_moves_a_matrix_as_theory_says() {
     const SIGMA: f64 = 0.01;
@@ -136,8 +136,8 @@ fn what_tells_no_colours_is_refused() {
     assert!(changed(|patch| patch.seen[0] -= 0.2).contains("not negative"));
 }
 
-/// The maker's 8 bit sRGB values, of the older charts, beside its CIE L*a*b* of the newer ones: another table,
-/// white point and adaptation. Charts differ by 1 to 4, and screens lack the cyan.
+/// The maker's 8 bit sRGB values, of the older charts, beside its CIE L*a*b* of the newer ones: another
+/// table, white point and adaptation. Charts differ by 1 to 4, and screens lack the cyan.
 #[test]
 fn what_is_known_of_the_chart_agrees_with_what_else_is_published() {
     let srgb: [[u8; 3]; 24] = [

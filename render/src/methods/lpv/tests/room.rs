@@ -198,8 +198,8 @@ fn a_finer_grid_is_as_bright_as_the_one_around_it() {
     }
 }
 
-/// Of linear lobes, on a wall at which all of them end; of squared ones the second is too bright there already,
-/// and there is no third.
+/// Of linear lobes, on a wall at which all of them end, to an eighth. Of squared ones the second is too
+/// bright there already, and there is no third.
 #[test]
 fn any_number_of_grids_of_linear_lobes_is_as_bright_as_one_that_is_as_fine() {
     let camera = Camera::look_at(Vec3::new(-0.9, 0.1, 0.3), Vec3::new(-1.0, 0.1, 0.2));
